@@ -1,0 +1,1 @@
+//! Co-simulation: the same vectors through every simulator, compared bit for bit.

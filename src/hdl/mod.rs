@@ -1,0 +1,1 @@
+//! The hardware description language: a design is data.

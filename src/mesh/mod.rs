@@ -1,0 +1,1 @@
+//! Indexed meshes: adjacency, readers, writers and built-in shapes.

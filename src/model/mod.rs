@@ -1,0 +1,1 @@
+//! The bit-exact reference of every core, in plain integers, written from the mathematics.

@@ -1,0 +1,1 @@
+//! The mathematics of the surfaces, in exact numbers.
