@@ -1,5 +1,11 @@
 //! Numbers: fixed-point formats, rounding modes, exact ranges and exact linear forms.
 
 pub mod format;
+pub mod linear;
+pub mod range;
+pub mod rounding;
 
 pub use format::Format;
+pub use linear::Form;
+pub use range::Range;
+pub use rounding::Rounding;

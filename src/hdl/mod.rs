@@ -1,1 +1,42 @@
 //! The hardware description language: a design is data.
+//!
+//! ```
+//! use subdiv_rtl::hdl::{Builder, Word};
+//!
+//! // A second difference costs the two bits of its mask, not one more for every adder.
+//! let m = Builder::new("second_difference");
+//! let [a, b, c] = ["a", "b", "c"].map(|name| m.input(name, Word::signed(8)));
+//! let difference = m.wire("difference", &a - 2 * &b + &c);
+//! assert_eq!(difference.word().width(), 10);
+//! m.output("y", &difference);
+//! let module = m.finish().unwrap();
+//! ```
+//!
+//! Building ([`Builder`]) makes a graph of [cells](cell); [`flat`] lays the hierarchy out as one list,
+//! which the [simulator](simulate) walks with integers and the [prover](linear) with exact linear forms;
+//! [`verilog`] prints it.
+
+mod arithmetic;
+mod builder;
+pub mod cell;
+mod expression;
+pub mod flat;
+mod form;
+pub mod linear;
+mod logic;
+mod module;
+mod names;
+pub mod simulate;
+mod state;
+mod word;
+
+pub use builder::{Builder, Placed};
+pub use cell::{Bitwise, Cell, Node, NodeId, Relation, Term};
+pub use expression::{Expr, Signal, Sum};
+pub use flat::Flat;
+pub use linear::LinearForms;
+pub use module::{Bus, Direction, Instance, Lane, Memory, MemoryWrite, Module, Output};
+pub use names::Allocator;
+pub use simulate::{Domain, Integers, Simulator};
+pub use state::MemoryHandle;
+pub use word::Word;

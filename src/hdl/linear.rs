@@ -1,0 +1,205 @@
+//! The proof by linear forms: the simulator runs with exact forms in the data path, so one run shows what
+//! the hardware computes for *all* inputs.
+//!
+//! Control is run with numbers; where it would have to depend on data, the run stops with the names. A
+//! register that nobody set holds [`Value::Unknown`], so nothing uninitialised can reach an output
+//! unseen. Each [claim](super::Cell::Claim) met on the way is checked against the exact range of its form.
+
+use std::collections::BTreeMap;
+
+use super::Word;
+use super::cell::{Cell, NodeId};
+use super::flat::Flat;
+use super::simulate::{Domain, Integers};
+use crate::error::Error;
+use crate::fixed::{Form, Range};
+
+/// What flows through the wires in a proof.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Value<const N: usize> {
+    Integer(i128),
+    Form(Form<N>),
+    /// Never set, dead, or no linear function of the inputs.
+    Unknown,
+}
+
+/// The domain of a proof with `N` variables in a group.
+pub struct LinearForms<const N: usize> {
+    /// The range of the variables of each group.
+    pub groups: Vec<Range>,
+    /// For each claim the union of the ranges that its forms had.
+    pub proved: BTreeMap<NodeId, Range>,
+    /// What did not hold.
+    pub failures: Vec<Error>,
+}
+
+impl<const N: usize> LinearForms<N> {
+    pub fn new(groups: Vec<Range>) -> Self {
+        LinearForms { groups, proved: BTreeMap::new(), failures: vec![] }
+    }
+
+    fn range(&self, form: &Form<N>) -> Range {
+        form.range(self.groups[form.group as usize])
+    }
+
+    fn refuse(&mut self, flat: &Flat, id: NodeId, why: String) -> Value<N> {
+        // The first few say it all; a broken core breaks at every clock.
+        if self.failures.len() < 8 {
+            let place = flat.node(id).place;
+            let error = Error::usage(format!("{}: {why}", flat.describe(id)));
+            self.failures.push(error.at(format!("{}:{}", place.file(), place.line())));
+        }
+        Value::Unknown
+    }
+
+    fn sum(&self, flat: &Flat, id: NodeId, values: &[Value<N>]) -> Option<Value<N>> {
+        let Cell::Sum { terms, constant } = &flat.node(id).cell else { return None };
+        let (mut number, mut form) = (*constant, None::<Form<N>>);
+        for term in terms {
+            match &values[term.of.index()] {
+                Value::Integer(value) => {
+                    let shifted = value.checked_shl(term.shift)?;
+                    number = number.checked_add(if term.negate { -shifted } else { shifted })?;
+                }
+                Value::Form(other) => {
+                    let scaled = other.scaled(term.negate, term.shift)?;
+                    form = Some(match form {
+                        Some(form) => form.plus(&scaled)?,
+                        None => scaled,
+                    });
+                }
+                Value::Unknown => return None,
+            }
+        }
+        let word = flat.node(id).word;
+        Some(match form {
+            Some(form) => Value::Form(form.plus_constant(number)?),
+            None if word.modular => Value::Integer(word.range.wrap(number)),
+            None => Value::Integer(number),
+        })
+    }
+
+    fn claim(&mut self, flat: &Flat, id: NodeId, value: Value<N>) -> Value<N> {
+        let word = flat.node(id).word;
+        let range = match &value {
+            Value::Integer(number) => Range::point(*number),
+            Value::Form(form) => self.range(form),
+            Value::Unknown => {
+                return self.refuse(flat, id, "what is claimed is no linear function of the inputs".into());
+            }
+        };
+        let known = match &value {
+            Value::Form(form) if form.modulus != 0 => Range::signed(form.modulus),
+            _ => range,
+        };
+        if !word.range.contains(range) || !known.contains(range) {
+            let why = format!("its range is {range}, but {} is claimed", word.range.intersect(known));
+            return self.refuse(flat, id, why);
+        }
+        self.proved.entry(id).and_modify(|r| *r = r.union(range)).or_insert(range);
+        match value {
+            Value::Form(form) => Value::Form(Form { modulus: 0, ..form }),
+            other => other,
+        }
+    }
+
+    fn wrap(&self, word: Word, form: Form<N>) -> Value<N> {
+        let width = word.width();
+        if word.range.contains(self.range(&form)) {
+            Value::Form(form)
+        } else if form.modulus == 0 || form.modulus >= width {
+            Value::Form(Form { modulus: width, ..form })
+        } else {
+            Value::Unknown
+        }
+    }
+}
+
+impl<const N: usize> Domain for LinearForms<N> {
+    type Value = Value<N>;
+
+    fn unset(&self) -> Value<N> {
+        Value::Unknown
+    }
+    fn integer(&self, value: i128) -> Value<N> {
+        Value::Integer(value)
+    }
+    fn as_integer(&self, value: &Value<N>) -> Option<i128> {
+        match value {
+            Value::Integer(value) => Some(*value),
+            _ => None,
+        }
+    }
+
+    fn evaluate(&mut self, flat: &Flat, id: NodeId, values: &[Value<N>]) -> Value<N> {
+        let value = |id: NodeId| values[id.index()];
+        let word = flat.node(id).word;
+        match &flat.node(id).cell {
+            Cell::Sum { .. } => self.sum(flat, id, values).unwrap_or(Value::Unknown),
+            Cell::Select { condition, on_true, on_false } => match value(*condition) {
+                Value::Integer(0) => value(*on_false),
+                Value::Integer(_) => value(*on_true),
+                _ => Value::Unknown,
+            },
+            Cell::Claim { of, when } => match when.map(value) {
+                None => self.claim(flat, id, value(*of)),
+                Some(Value::Integer(0)) => Value::Unknown,
+                Some(Value::Integer(_)) => self.claim(flat, id, value(*of)),
+                Some(_) => self.refuse(flat, id, "the condition of the claim depends on data".into()),
+            },
+            Cell::Wrap { of } => match value(*of) {
+                Value::Form(form) => self.wrap(word, form),
+                Value::Integer(number) => Value::Integer(word.range.wrap(number)),
+                Value::Unknown => Value::Unknown,
+            },
+            Cell::ShiftRight { of, amount, exact } => match value(*of) {
+                Value::Form(form) => {
+                    if *exact && !form.is_multiple(*amount) {
+                        return self.refuse(flat, id, format!("the lowest {amount} bits are not all zero"));
+                    }
+                    let variable = self.groups[form.group as usize];
+                    form.shift_right(*amount, variable).map_or(Value::Unknown, Value::Form)
+                }
+                Value::Integer(number) => Value::Integer(number >> amount),
+                Value::Unknown => Value::Unknown,
+            },
+            // Logic on what is known; a zero decides a conjunction, a one a disjunction of bits.
+            Cell::Logic { operation, operands } => {
+                use super::cell::Bitwise;
+                let decisive = match operation {
+                    Bitwise::And => Some(0),
+                    Bitwise::Or if word.width() == 1 => Some(1),
+                    _ => None,
+                };
+                if decisive.is_some_and(|d| operands.iter().any(|&o| value(o) == Value::Integer(d))) {
+                    return Value::Integer(decisive.unwrap_or(0));
+                }
+                by_numbers(flat, id, values)
+            }
+            _ => by_numbers(flat, id, values),
+        }
+    }
+
+    fn latch(&self, word: Word, value: &Value<N>) -> Value<N> {
+        match value {
+            Value::Form(form) if word.modular => self.wrap(word, *form),
+            Value::Integer(number) if word.modular => Value::Integer(word.range.wrap(*number)),
+            other => *other,
+        }
+    }
+}
+
+/// The cell's own rule on integers, where all its operands are integers.
+fn by_numbers<const N: usize>(flat: &Flat, id: NodeId, values: &[Value<N>]) -> Value<N> {
+    let inputs = flat.node(id).cell.combinational_inputs();
+    let mut numbers = Vec::with_capacity(inputs.len());
+    for input in inputs {
+        match values[input.index()] {
+            Value::Integer(number) => numbers.push((input, number)),
+            _ => return Value::Unknown,
+        }
+    }
+    Value::Integer(Integers::evaluate_with(flat, id, |id| {
+        numbers.iter().find(|(i, _)| *i == id).map_or(0, |(_, number)| *number)
+    }))
+}

@@ -1,0 +1,208 @@
+//! The built-in simulator: cycle by cycle, over whatever flows through the wires.
+//!
+//! It is generic over a [`Domain`]: integers make it a simulator, exact linear forms make it a prover.
+//! Both walk the same cells as the Verilog printer.
+
+use super::Word;
+use super::cell::{Bitwise, Cell, NodeId, Relation};
+use super::flat::Flat;
+use crate::error::{Error, Result};
+use crate::fixed::Range;
+
+/// What flows through the wires.
+pub trait Domain {
+    type Value: Clone;
+
+    /// What a register without a reset, or a word of a RAM, holds at first.
+    fn unset(&self) -> Self::Value;
+    fn integer(&self, value: i128) -> Self::Value;
+    /// The integer, where the value is one: addresses and conditions must be.
+    fn as_integer(&self, value: &Self::Value) -> Option<i128>;
+    /// The value of a combinational cell.
+    fn evaluate(&mut self, flat: &Flat, id: NodeId, values: &[Self::Value]) -> Self::Value;
+    /// What a register of this word holds after being given the value.
+    fn latch(&self, word: Word, value: &Self::Value) -> Self::Value;
+}
+
+/// A design with its state.
+pub struct Simulator<D: Domain> {
+    pub flat: Flat,
+    pub domain: D,
+    values: Vec<D::Value>,
+    memories: Vec<Vec<D::Value>>,
+    /// What the clocked nodes take at the edge, gathered before any of them changes.
+    next: Vec<(NodeId, D::Value)>,
+    clock: u64,
+}
+
+impl<D: Domain> Simulator<D> {
+    pub fn new(flat: Flat, mut domain: D) -> Self {
+        let mut values = vec![domain.unset(); flat.nodes.len()];
+        for (node, value) in flat.nodes.iter().zip(&mut values) {
+            if let Cell::Constant(constant) = node.node.cell {
+                *value = domain.integer(constant);
+            }
+        }
+        let memories = flat
+            .memories
+            .iter()
+            .map(|m| {
+                let mut words = vec![domain.unset(); m.depth as usize];
+                m.contents.iter().zip(&mut words).for_each(|(&c, word)| *word = domain.integer(c));
+                words
+            })
+            .collect();
+        Simulator { flat, domain, values, memories, next: vec![], clock: 0 }
+    }
+
+    /// Rising edges so far.
+    pub fn clock_count(&self) -> u64 {
+        self.clock
+    }
+
+    /// Puts a value on an input; [`Simulator::settle`] lets it through.
+    pub fn set(&mut self, input: NodeId, value: D::Value) {
+        self.values[input.index()] = value;
+    }
+
+    pub fn get(&self, id: NodeId) -> &D::Value {
+        &self.values[id.index()]
+    }
+
+    /// Evaluates all combinational cells.
+    pub fn settle(&mut self) {
+        for &id in &self.flat.order {
+            self.values[id.index()] = self.domain.evaluate(&self.flat, id, &self.values);
+        }
+    }
+
+    /// One rising clock edge, with the reset active or not. Call after [`Simulator::settle`].
+    pub fn edge(&mut self, reset: bool) -> Result<()> {
+        self.clock += 1;
+        let mut next = std::mem::take(&mut self.next);
+        for &id in &self.flat.clocked {
+            match &self.flat.node(id).cell {
+                Cell::Register { reset: Some(value), .. } if reset => {
+                    next.push((id, self.domain.integer(*value)))
+                }
+                Cell::Register { next: Some(source), enable, .. } => {
+                    if self.enabled(*enable, id)? {
+                        let value = &self.values[source.index()];
+                        next.push((id, self.domain.latch(self.flat.node(id).word, value)));
+                    }
+                }
+                Cell::MemoryRead { memory, address, enable } => {
+                    if self.enabled(*enable, id)? {
+                        let words = &self.memories[*memory];
+                        let word = self.integer(*address, id)? as usize;
+                        next.push((id, words.get(word).cloned().unwrap_or_else(|| self.domain.unset())));
+                    }
+                }
+                _ => {}
+            }
+        }
+        for (index, memory) in self.flat.memories.iter().enumerate() {
+            if let Some(write) = &memory.write
+                && self.enabled(Some(write.enable), write.data)?
+            {
+                let address = self.integer(write.address, write.data)? as usize;
+                if let Some(word) = self.memories[index].get_mut(address) {
+                    *word = self.values[write.data.index()].clone();
+                }
+            }
+        }
+        for (id, value) in next.drain(..) {
+            self.values[id.index()] = value;
+        }
+        self.next = next;
+        Ok(())
+    }
+
+    fn enabled(&self, enable: Option<NodeId>, of: NodeId) -> Result<bool> {
+        enable.map_or(Ok(true), |enable| Ok(self.integer(enable, of)? != 0))
+    }
+
+    fn integer(&self, control: NodeId, of: NodeId) -> Result<i128> {
+        self.domain.as_integer(&self.values[control.index()]).ok_or_else(|| {
+            let (control, of) = (self.flat.describe(control), self.flat.describe(of));
+            Error::usage(format!("at clock {}, {control} steers {of} but depends on data", self.clock))
+                .help("control that depends on data cannot be proved by linear forms; reset what is not set")
+        })
+    }
+}
+
+/// Plain integers: exactly what the emitted Verilog does.
+pub struct Integers;
+
+impl Domain for Integers {
+    type Value = i128;
+
+    fn unset(&self) -> i128 {
+        0
+    }
+    fn integer(&self, value: i128) -> i128 {
+        value
+    }
+    fn as_integer(&self, value: &i128) -> Option<i128> {
+        Some(*value)
+    }
+
+    fn evaluate(&mut self, flat: &Flat, id: NodeId, values: &[i128]) -> i128 {
+        Integers::evaluate_with(flat, id, |id| values[id.index()])
+    }
+
+    fn latch(&self, word: Word, value: &i128) -> i128 {
+        if word.modular { word.range.wrap(*value) } else { *value }
+    }
+}
+
+impl Integers {
+    /// The rule of every combinational cell, given the numbers of its operands.
+    #[inline]
+    pub(super) fn evaluate_with(flat: &Flat, id: NodeId, value: impl Fn(NodeId) -> i128) -> i128 {
+        let node = flat.node(id);
+        let range = node.word.range;
+        match &node.cell {
+            Cell::Constant(constant) => *constant,
+            Cell::Sum { terms, constant } => {
+                let sum = terms.iter().fold(*constant, |sum, term| {
+                    let shifted = value(term.of).wrapping_shl(term.shift);
+                    if term.negate { sum.wrapping_sub(shifted) } else { sum.wrapping_add(shifted) }
+                });
+                if node.word.modular { range.wrap(sum) } else { sum }
+            }
+            Cell::ShiftRight { of, amount, .. } => value(*of) >> amount,
+            Cell::Wrap { of } | Cell::Claim { of, .. } => range.wrap(value(*of)),
+            Cell::Select { condition, on_true, on_false } => {
+                let chosen = value(if value(*condition) != 0 { *on_true } else { *on_false });
+                if node.word.modular { range.wrap(chosen) } else { chosen }
+            }
+            Cell::Compare { relation, left, right } => {
+                let (left, right) = (value(*left), value(*right));
+                i128::from(match relation {
+                    Relation::Equal => left == right,
+                    Relation::NotEqual => left != right,
+                    Relation::Less => left < right,
+                    Relation::LessOrEqual => left <= right,
+                })
+            }
+            Cell::Logic { operation, operands } => {
+                let bits = operands.iter().map(|&id| value(id));
+                match operation {
+                    Bitwise::And => bits.fold(-1, |a, b| a & b),
+                    Bitwise::Or => bits.fold(0, |a, b| a | b),
+                    Bitwise::Xor => bits.fold(0, |a, b| a ^ b),
+                }
+            }
+            Cell::Not { of } => range.wrap(!value(*of)),
+            Cell::Slice { of, low } => range.wrap(value(*of) >> low),
+            Cell::Concat { parts } => parts.iter().fold(0, |bits, &part| {
+                let word = flat.node(part).word;
+                (bits << word.width()) | Range::unsigned(word.width()).wrap(value(part))
+            }),
+            // Not combinational: their values are set at the clock edge or from outside.
+            Cell::Input | Cell::Wire { .. } | Cell::Register { .. } => value(id),
+            Cell::MemoryRead { .. } | Cell::InstanceOutput { .. } => value(id),
+        }
+    }
+}

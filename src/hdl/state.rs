@@ -1,0 +1,250 @@
+//! Time: registers, pipeline stages, delays and memories.
+
+use super::cell::{Cell, NodeId};
+use super::expression::{Expr, Signal};
+use super::module::{Memory, MemoryWrite};
+use super::{Builder, Word};
+use crate::error::Error;
+
+impl Builder {
+    /// A register that holds its value until [`Builder::on`] or [`Builder::always`] gives it another.
+    #[track_caller]
+    pub fn register(&self, name: impl Into<String>, word: Word) -> Signal {
+        self.register_at(name, word, None, 0)
+    }
+
+    /// A register that takes `reset` while the reset is active.
+    #[track_caller]
+    pub fn register_reset(&self, name: impl Into<String>, word: Word, reset: i128) -> Signal {
+        self.register_at(name, word, Some(reset), 0)
+    }
+
+    #[track_caller]
+    pub fn register_at(&self, name: impl Into<String>, word: Word, reset: Option<i128>, time: u32) -> Signal {
+        let register = self.add(Cell::Register { next: None, enable: None, reset }, word, Some(time));
+        self.rename(&register, name.into());
+        self.0.borrow_mut().clauses.insert(register.id, vec![]);
+        register
+    }
+
+    /// At an edge where `condition` is 1, and no clause given before for this register applies, the
+    /// register takes `value`.
+    #[track_caller]
+    pub fn on(&self, condition: &Signal, register: &Signal, value: impl Into<Expr>) {
+        self.clause(Some(condition), register, value.into());
+    }
+
+    /// At every edge where no clause given before applies, the register takes `value`.
+    #[track_caller]
+    pub fn always(&self, register: &Signal, value: impl Into<Expr>) {
+        self.clause(None, register, value.into());
+    }
+
+    #[track_caller]
+    fn clause(&self, condition: Option<&Signal>, register: &Signal, value: Expr) {
+        let value = self.signal(value);
+        let (have, want) = (value.word(), register.word());
+        let agrees = match (have.modular, want.modular) {
+            (true, false) => false,
+            (true, true) => have.width() >= want.width(),
+            (false, true) => true,
+            (false, false) => want.range.contains(have.range),
+        };
+        if !agrees || (have.fraction != want.fraction && !matches!(value.cell(), Cell::Constant(_))) {
+            self.fail(|m| {
+                let (register, value) = (m.describe(register.id), m.describe(value.id));
+                Error::usage(format!("register {register} is {want}, but {value} that it takes is {have}"))
+                    .help("widen the register, wrap the value, or claim its range so that it is proved")
+            });
+        }
+        let time = register.time();
+        for signal in condition.into_iter().chain([&value]) {
+            if signal.time().is_some_and(|t| Some(t) != time) {
+                self.fail(|m| {
+                    let (register, signal) = (m.describe(register.id), m.describe(signal.id));
+                    Error::usage(format!(
+                        "register {register} of clock {time:?} takes {signal} of another clock"
+                    ))
+                    .help("a register that keeps state lives in one clock; delay or restart the signal")
+                });
+            }
+        }
+        if let Some(clauses) = self.0.borrow_mut().clauses.get_mut(&register.id) {
+            clauses.push((condition.map(|c| c.id), value.id));
+        }
+    }
+
+    /// Turns the clauses of every register into one next value and one enable.
+    pub(super) fn resolve_registers(&self) {
+        let clauses = std::mem::take(&mut self.0.borrow_mut().clauses);
+        for (id, clauses) in clauses {
+            let signal = |id| Signal { builder: self.clone(), id };
+            let decisive = clauses.iter().position(|(c, _)| c.is_none()).map_or(clauses.len(), |p| p + 1);
+            let Some(((_, last), earlier)) = clauses[..decisive].split_last() else { continue };
+            let mut next = signal(*last);
+            for (condition, value) in earlier.iter().rev() {
+                if let Some(condition) = condition {
+                    next = self.select(&signal(*condition), &signal(*value), &next);
+                }
+            }
+            let conditions: Vec<Signal> =
+                clauses[..decisive].iter().filter_map(|(c, _)| c.map(signal)).collect();
+            let enable = match conditions.len() {
+                n if n < decisive => None,
+                1 => Some(conditions[0].id),
+                _ => Some(self.any(&conditions.iter().collect::<Vec<_>>()).id),
+            };
+            let place = self.node(id, |n| n.place);
+            let mut state = self.0.borrow_mut();
+            for node in state.module.nodes.iter_mut().rev().take(2 * clauses.len()) {
+                if node.place.file() == file!() {
+                    node.place = place;
+                }
+            }
+            if let Cell::Register { next: n, enable: e, .. } = &mut state.module.nodes[id.index()].cell {
+                (*n, *e) = (Some(next.id), enable);
+            }
+        }
+    }
+
+    /// The value one clock later, under a name: a pipeline stage.
+    #[track_caller]
+    pub fn pipe(&self, name: impl Into<String>, value: impl Into<Expr>) -> Signal {
+        let value = self.signal(value);
+        let time = value.time().unwrap_or(0) + 1;
+        let cell = Cell::Register { next: Some(value.id), enable: None, reset: None };
+        let register = self.add(cell, value.word(), Some(time));
+        self.rename(&register, name.into());
+        register
+    }
+
+    /// The signal `clocks` later; delays of one signal are shared.
+    #[track_caller]
+    pub fn delay(&self, signal: &Signal, clocks: u32) -> Signal {
+        let base = signal.name().unwrap_or_else(|| "delayed".into());
+        self.delay_named(signal, clocks, &base, 1)
+    }
+
+    #[track_caller]
+    fn delay_named(&self, signal: &Signal, clocks: u32, base: &str, nth: u32) -> Signal {
+        if clocks == 0 || signal.time().is_none() {
+            return signal.clone();
+        }
+        let known = self.0.borrow().delays.get(&signal.id).copied();
+        let next = match known {
+            Some(id) => Signal { builder: self.clone(), id },
+            None => {
+                let next = self.pipe(format!("{base}_d{nth}"), signal);
+                self.0.borrow_mut().delays.insert(signal.id, next.id);
+                next
+            }
+        };
+        self.delay_named(&next, clocks - 1, base, nth + 1)
+    }
+
+    /// The signal at a later time of the module.
+    #[track_caller]
+    pub fn at_time(&self, signal: &Signal, time: u32) -> Signal {
+        match signal.time() {
+            Some(now) if now > time => {
+                self.fail(|m| {
+                    Error::usage(format!("{} is of clock {now}, later than {time}", m.describe(signal.id)))
+                });
+                signal.clone()
+            }
+            Some(now) => self.delay(signal, time - now),
+            None => signal.clone(),
+        }
+    }
+
+    /// The signal on a new axis of time: where a handshake, not a count of clocks, says what belongs
+    /// together. No hardware.
+    #[track_caller]
+    pub fn restart(&self, signal: &Signal, time: u32) -> Signal {
+        let name = signal.name();
+        let restarted = self.add(Cell::Wrap { of: signal.id }, signal.word(), Some(time));
+        if let Some(name) = name {
+            self.rename(&restarted, format!("{name}_now"));
+        }
+        restarted
+    }
+
+    /// A memory of `depth` words, inferred as block RAM; with `contents` and no write port, a ROM.
+    #[track_caller]
+    pub fn memory(&self, name: &str, depth: u32, word: Word, contents: Vec<i128>) -> MemoryHandle {
+        if contents.len() > depth as usize || contents.iter().any(|&c| word.range.wrap(c) != c) {
+            self.fail(|_| {
+                Error::usage(format!("memory {name}: its contents do not fit {depth} words of {word}"))
+                    .help("give it more or wider words")
+            });
+        }
+        let memory = Memory { name: name.into(), depth, word, contents, write: None };
+        MemoryHandle { index: self.add_memory(memory), word, builder: self.clone() }
+    }
+}
+
+impl Signal {
+    pub(super) fn cell(&self) -> Cell {
+        self.builder.node(self.id, |n| n.cell.clone())
+    }
+}
+
+/// A memory under construction.
+pub struct MemoryHandle {
+    index: usize,
+    word: Word,
+    builder: Builder,
+}
+
+impl MemoryHandle {
+    /// The write port: at an edge where `enable` is 1, `data` goes to `address`.
+    #[track_caller]
+    pub fn write(&self, enable: &Signal, address: &Signal, data: &Signal) {
+        let m = &self.builder;
+        if data.word() != self.word {
+            m.fail(|module| {
+                let memory = &module.memories[self.index].name;
+                let (data, word) = (format!("{} ({})", module.describe(data.id), data.word()), self.word);
+                Error::usage(format!("memory {memory} holds {word}, but {data} is written to it"))
+                    .help("declare the memory with the word of what is written")
+            });
+        }
+        self.check_address(address);
+        let write = MemoryWrite { enable: enable.id, address: address.id, data: data.id };
+        m.0.borrow_mut().module.memories[self.index].write = Some(write);
+    }
+
+    /// A read port: the word appears one clock after its address, and stays while `enable` is 0.
+    #[track_caller]
+    pub fn read(&self, name: &str, address: &Signal, enable: Option<&Signal>) -> Signal {
+        self.check_address(address);
+        let cell = Cell::MemoryRead { memory: self.index, address: address.id, enable: enable.map(|e| e.id) };
+        let read = self.builder.add(cell, self.word, address.time().map(|t| t + 1));
+        self.builder.rename(&read, name.into());
+        read
+    }
+
+    #[track_caller]
+    fn check_address(&self, address: &Signal) {
+        let (memory, depth): (String, NodeRange) = {
+            let state = self.builder.0.borrow();
+            let memory = &state.module.memories[self.index];
+            (memory.name.clone(), NodeRange(address.id, memory.depth))
+        };
+        let range = address.word().range;
+        if range.min < 0 || range.max >= depth.1.into() {
+            self.builder.fail(|m| {
+                let name = m.describe(depth.0);
+                Error::usage(format!(
+                    "memory {memory} has {} words, but {name} is {}",
+                    depth.1,
+                    address.word()
+                ))
+                .help("narrow the address or deepen the memory")
+            });
+        }
+    }
+}
+
+/// A node and the number of words it addresses.
+struct NodeRange(NodeId, u32);
