@@ -1,1 +1,5 @@
-//! The hardware, described in `hdl`.
+//! The hardware, described in [`hdl`](crate::hdl): one unit a file, named as the papers name it.
+
+pub mod loop_fd;
+pub mod rounder;
+pub mod stream_fifo;

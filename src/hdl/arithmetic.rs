@@ -84,6 +84,15 @@ impl Builder {
         self.add_at(sum.place, cell, word, time, form.map(Rc::new))
     }
 
+    /// The terms of a sum with every coefficient a signed power of two.
+    pub(super) fn shifted_terms(&self, sum: &Sum) -> Vec<(i128, Signal)> {
+        let digit = |t: Term| if t.negate { -(1i128 << t.shift) } else { 1i128 << t.shift };
+        let split = |(c, s): &(i128, Signal)| -> Vec<(i128, Signal)> {
+            digits(*c, s).into_iter().map(|t| (digit(t), s.clone())).collect()
+        };
+        sum.terms.iter().flat_map(split).collect()
+    }
+
     #[track_caller]
     fn fail_at(&self, place: &'static Location<'static>, error: impl FnOnce(&super::Module) -> Error) {
         self.fail(|m| error(m));

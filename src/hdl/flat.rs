@@ -84,7 +84,7 @@ impl Flat {
             let mut memory = memory.clone();
             memory.name = format!("{prefix}{}", memory.name);
             if let Some(write) = &mut memory.write {
-                [&mut write.enable, &mut write.address, &mut write.data].map(|id| id.0 += base);
+                write.nodes_mut().for_each(|id| id.0 += base);
             }
             self.memories.push(memory);
         }
@@ -125,7 +125,7 @@ impl Flat {
             flat.node.cell.visit_mut(follow);
         }
         for write in self.memories.iter_mut().filter_map(|m| m.write.as_mut()) {
-            [&mut write.enable, &mut write.address, &mut write.data].map(follow);
+            write.nodes_mut().for_each(follow);
         }
     }
 

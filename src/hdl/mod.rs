@@ -28,6 +28,7 @@ mod module;
 mod names;
 pub mod simulate;
 mod state;
+pub mod verilog;
 mod word;
 
 pub use builder::{Builder, Placed};

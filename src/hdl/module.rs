@@ -2,7 +2,7 @@
 
 use std::rc::Rc;
 
-use super::{Cell, Node, NodeId};
+use super::cell::{Cell, Node, NodeId};
 use crate::fixed::Range;
 
 /// A memory with one synchronous read port for each [`Cell::MemoryRead`] and at most one write port.
@@ -22,6 +22,12 @@ pub struct MemoryWrite {
     pub enable: NodeId,
     pub address: NodeId,
     pub data: NodeId,
+}
+
+impl MemoryWrite {
+    pub fn nodes_mut(&mut self) -> impl Iterator<Item = &mut NodeId> {
+        [&mut self.enable, &mut self.address, &mut self.data].into_iter()
+    }
 }
 
 /// A module inside a module; `inputs` in the order of the inner module's inputs.

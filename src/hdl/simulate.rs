@@ -36,7 +36,7 @@ pub struct Simulator<D: Domain> {
 }
 
 impl<D: Domain> Simulator<D> {
-    pub fn new(flat: Flat, mut domain: D) -> Self {
+    pub fn new(flat: Flat, domain: D) -> Self {
         let mut values = vec![domain.unset(); flat.nodes.len()];
         for (node, value) in flat.nodes.iter().zip(&mut values) {
             if let Cell::Constant(constant) = node.node.cell {

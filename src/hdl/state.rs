@@ -1,7 +1,7 @@
 //! Time: registers, pipeline stages, delays and memories.
 
 use super::cell::{Cell, NodeId};
-use super::expression::{Expr, Signal};
+use super::expression::{Expr, Signal, Sum};
 use super::module::{Memory, MemoryWrite};
 use super::{Builder, Word};
 use crate::error::Error;
@@ -118,6 +118,59 @@ impl Builder {
         register
     }
 
+    /// A pipeline stage that takes `reset` while the reset is active.
+    #[track_caller]
+    pub fn pipe_reset(&self, name: impl Into<String>, value: impl Into<Expr>, reset: i128) -> Signal {
+        let register = self.pipe(name, value);
+        if let Cell::Register { reset: r, .. } =
+            &mut self.0.borrow_mut().module.nodes[register.id.index()].cell
+        {
+            *r = Some(reset);
+        }
+        register
+    }
+
+    /// The signal `clocks` later, through registers that take `reset` while the reset is active.
+    #[track_caller]
+    pub fn delay_reset(&self, signal: &Signal, clocks: u32, reset: i128) -> Signal {
+        let base = signal.name().unwrap_or_else(|| "delayed".into());
+        (1..=clocks).fold(signal.clone(), |s, nth| self.pipe_reset(format!("{base}_r{nth}"), &s, reset))
+    }
+
+    /// A sum as a balanced tree of two-operand adders with a register behind each: one adder per clock
+    /// whatever the number of terms. Operands that come early are added first.
+    #[track_caller]
+    pub fn pipelined(&self, name: &str, sum: impl Into<Sum>) -> Signal {
+        let sum = sum.into();
+        let terms = self.shifted_terms(&sum);
+        let mut open: Vec<(Sum, u32)> =
+            terms.into_iter().map(|(c, s)| (c * &s, s.time().unwrap_or(0))).collect();
+        let mut constant = sum.constant;
+        let mut number = 0;
+        loop {
+            open.sort_by_key(|(_, time)| *time);
+            let (a, b) = match open.len() {
+                0 => return self.signal(Sum::from(constant)),
+                1 => (open.remove(0).0, None),
+                _ => (open.remove(0).0, Some(open.remove(0).0)),
+            };
+            // The constant goes in with the last adder but one operand, where it is free of its own.
+            let last = open.is_empty();
+            let sum = match b {
+                Some(b) => a + b,
+                None => a,
+            };
+            let sum = if last { sum + std::mem::take(&mut constant) } else { sum };
+            let label = if last { name.to_string() } else { format!("{name}_part{number}") };
+            let part = self.pipe(label, sum);
+            if last {
+                return part;
+            }
+            number += 1;
+            open.push((Sum::from(&part), part.time().unwrap_or(0)));
+        }
+    }
+
     /// The signal `clocks` later; delays of one signal are shared.
     #[track_caller]
     pub fn delay(&self, signal: &Signal, clocks: u32) -> Signal {
@@ -161,12 +214,7 @@ impl Builder {
     /// together. No hardware.
     #[track_caller]
     pub fn restart(&self, signal: &Signal, time: u32) -> Signal {
-        let name = signal.name();
-        let restarted = self.add(Cell::Wrap { of: signal.id }, signal.word(), Some(time));
-        if let Some(name) = name {
-            self.rename(&restarted, format!("{name}_now"));
-        }
-        restarted
+        self.add(Cell::Wrap { of: signal.id }, signal.word(), Some(time))
     }
 
     /// A memory of `depth` words, inferred as block RAM; with `contents` and no write port, a ROM.

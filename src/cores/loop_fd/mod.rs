@@ -1,0 +1,172 @@
+//! `loop-fd`: the forward-difference engine for Loop patches (Bischoff, Kobbelt, Seidel 2000, section 3
+//! and appendix A.4), exact and complete: control points in, rounded vertices of triangle strips out.
+//!
+//! ```text
+//!             ┌────────┐ 12 points, an ┌──────────┐ 12 differences ┌───────────┐ 2 numerators ┌──────────┐
+//! s_axis ────►│ loader │──────────────►│ start-up │───────────────►│ engine  x │─────────────►│ rounders │──► FIFO ──► m_axis
+//! 12 points   └────────┘ axis a clock  └──────────┘                │ engine  y │  a clock     └──────────┘
+//! of a patch                                                       │ engine  z │
+//!                                             strip control ──────►└───────────┘
+//! ```
+//!
+//! **In**: packets of 12 beats, the control points in the order of section 3.2's lattice, row by row
+//! (0,-1) (1,-1) (2,-1) | (-1,0) **(0,0)** **(1,0)** (2,0) | (-1,1) **(0,1)** (1,1) | (-1,2) (0,2); x, y
+//! and z in lanes, `tuser` the level rho of the patch (2^rho steps along each edge), `tlast` on the
+//! twelfth. A packet of another length, or of a level above the maximum R, is dropped whole. A control
+//! point of a patch of level rho carries 4 (R - rho) fraction bits more than the coordinate format, so
+//! all patches of a mesh, however deep, share the denominator 12 * 16^R.
+//!
+//! **Out**: for strip i the vertices p(i,j), p(i+1,j) for j = 0 .. 2^rho - i - 1, a pair a beat, then
+//! p(i, 2^rho - i) alone (`tkeep` drops the right one) with `tlast`. `tuser` bit 0 marks the first beat of
+//! a patch, bit 1 the last.
+//!
+//! **Numbers**: all differences are integers over the common denominator, kept modulo 2^B with
+//! B = W + 4R + 4. The basis is non-negative with sum 1, so every vertex fits B bits, and a linear
+//! recurrence modulo 2^B gives it exactly whatever the other registers do. The only rounding is the last.
+
+mod control;
+mod engine;
+mod loader;
+mod startup;
+mod top;
+
+use std::fmt;
+use std::rc::Rc;
+
+use crate::error::{Error, Result};
+use crate::fixed::Format;
+use crate::hdl::{Module, Word};
+
+pub use engine::DIFFERENCES;
+
+/// How the differences are kept.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum RegisterForm {
+    /// As published: all 15 differences and two columns of 4.
+    Published23,
+    /// Without the (2,2) difference, which is zero.
+    WithoutZero22,
+    /// Without the (4,0) and (0,4) differences, which are twice the (3,1) and (1,3) ones.
+    Minimal20,
+    /// The right column as its 3 differences from the left one.
+    Relative19,
+}
+
+impl RegisterForm {
+    pub const ALL: [RegisterForm; 4] = [
+        RegisterForm::Published23,
+        RegisterForm::WithoutZero22,
+        RegisterForm::Minimal20,
+        RegisterForm::Relative19,
+    ];
+
+    /// Registers per coordinate.
+    pub fn count(self) -> u32 {
+        match self {
+            RegisterForm::Published23 => 23,
+            RegisterForm::WithoutZero22 => 22,
+            RegisterForm::Minimal20 => 20,
+            RegisterForm::Relative19 => 19,
+        }
+    }
+
+    pub fn from_count(count: u32) -> Option<Self> {
+        Self::ALL.into_iter().find(|form| form.count() == count)
+    }
+}
+
+impl fmt::Display for RegisterForm {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}", self.count())
+    }
+}
+
+/// What a `loop-fd` is generated for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Parameters {
+    /// The format of the control coordinates; W bits.
+    pub coordinates: Format,
+    /// Fraction bits of the output.
+    pub output_fraction: u32,
+    /// R: the highest level; every level from 0 on can be chosen for each patch.
+    pub max_level: u32,
+    pub registers: RegisterForm,
+}
+
+impl Parameters {
+    pub const HIGHEST_LEVEL: u32 = 10;
+
+    pub fn new(
+        coordinates: Format,
+        output_fraction: u32,
+        max_level: u32,
+        registers: RegisterForm,
+    ) -> Result<Self> {
+        let parameters = Parameters { coordinates, output_fraction, max_level, registers };
+        if max_level > Self::HIGHEST_LEVEL {
+            return Err(Error::usage(format!("maximum level {max_level} is above {}", Self::HIGHEST_LEVEL))
+                .help(format!("choose --max-level 0 to {}", Self::HIGHEST_LEVEL)));
+        }
+        let (most, f) = (coordinates.fraction + 4 * max_level + 1, i64::from(output_fraction));
+        if output_fraction > most
+            || i64::from(coordinates.integer) + f < 2
+            || coordinates.integer + output_fraction > 56
+        {
+            let most = most.min(56 - coordinates.integer);
+            return Err(Error::usage(format!(
+                "{output_fraction} fraction bits of output with {coordinates} at maximum level {max_level}"
+            ))
+            .help(format!(
+                "choose an output fraction of {} to {most} bits",
+                2u32.saturating_sub(coordinates.integer)
+            )));
+        }
+        Ok(parameters)
+    }
+
+    /// B = W + 4R + 4: the width of every difference.
+    pub fn modulus(self) -> u32 {
+        self.coordinates.width() + 4 * self.max_level + 4
+    }
+
+    /// s: a vertex is its numerator over 3 * 2^s, in units of the output.
+    pub fn shift(self) -> u32 {
+        // 12 * 16^R = 3 * 2^(4R + 2); the output unit is 2^(f - F) of the coordinates'.
+        4 * self.max_level + 2 + self.coordinates.fraction - self.output_fraction
+    }
+
+    /// The format of the output coordinates, as (width, fraction).
+    pub fn output_width(self) -> u32 {
+        self.coordinates.integer + self.output_fraction
+    }
+
+    /// Bits of one lane of the input stream: the modulus in whole bytes.
+    pub fn input_lane(self) -> u32 {
+        self.modulus().next_multiple_of(8)
+    }
+
+    /// Bits of one lane of the output stream: the result in whole bytes.
+    pub fn output_lane(self) -> u32 {
+        self.output_width().next_multiple_of(8)
+    }
+
+    /// A difference.
+    fn difference(self) -> Word {
+        Word::modular(self.modulus())
+    }
+
+    /// The level of a patch, as the core carries it.
+    fn level(self) -> Word {
+        Word::range(0, self.max_level.into())
+    }
+}
+
+pub const AXES: [&str; 3] = ["x", "y", "z"];
+
+/// Bits of `tuser` at the input: the level.
+pub const LEVEL_BITS: u32 = 4;
+
+/// The complete core.
+pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
+    top::build(parameters)
+}

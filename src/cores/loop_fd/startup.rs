@@ -1,0 +1,100 @@
+//! Start-up: the matrix Q_r from 12 control points to 12 differences, by shifts and adds alone.
+//!
+//! ```text
+//! rm = P0-2P1+P2   r0 = P3-2P4+P5   r0' = P4-2P5+P6   r1 = P7-2P8+P9        second differences of the rows
+//! sm = P3-2P7+P10  s0 = P0-2P4+P8   s0' = P4-2P8+P11  s1 = P1-2P5+P9        and of the columns
+//! N00 = 16^r C00     N10 = 2*8^r C10 + 6*4^r C20 + 2*2^r C30 + G     ...
+//! ```
+//!
+//! It is a pure function and fully pipelined: the three axes of a patch go through one after the other.
+//! The powers of 2^r are shifts by the bits of the level.
+
+use std::rc::Rc;
+
+use super::Parameters;
+use super::engine::DIFFERENCES;
+use crate::error::Result;
+use crate::hdl::{Builder, Module, Signal};
+
+pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
+    let m = Builder::new("startup");
+    m.purpose("The differences of a patch, step 2^-level, from its 12 control points: matrix Q_r");
+    m.purpose("(Bischoff, Kobbelt, Seidel 2000, appendix A.4, with the matrix corrected).");
+    m.parameter("modulus", format!("2^{}", parameters.modulus()));
+    let p: Vec<Signal> = (0..12).map(|i| m.input(format!("p{i}"), parameters.difference())).collect();
+    let level = m.input("level", parameters.level());
+
+    let second = |name: &str, [a, b, c]: [usize; 3]| m.pipelined(name, &p[a] - 2 * &p[b] + &p[c]);
+    let [rm, r0, r0_next, r1] =
+        [("rm", [0, 1, 2]), ("r0", [3, 4, 5]), ("r0_next", [4, 5, 6]), ("r1", [7, 8, 9])]
+            .map(|(n, i)| second(n, i));
+    let [sm, s0, s0_next, s1] =
+        [("sm", [3, 7, 10]), ("s0", [0, 4, 8]), ("s0_next", [4, 8, 11]), ("s1", [1, 5, 9])]
+            .map(|(n, i)| second(n, i));
+    let p8_p7 = m.pipelined("p8_p7", &p[8] - &p[7]);
+    let p5_p3 = m.pipelined("p5_p3", &p[5] - &p[3]);
+    let p1_p0 = m.pipelined("p1_p0", &p[1] - &p[0]);
+    let p7_p1 = m.pipelined("p7_p1", &p[7] - &p[1]);
+    let p8_p0 = m.pipelined("p8_p0", &p[8] - &p[0]);
+
+    let c30 = m.pipelined("c30", &rm - 2 * &r0 + &r1);
+    let c03 = m.pipelined("c03", &sm - 2 * &s0 + &s1);
+    let (c20, c02) = (r0.clone(), s0.clone());
+    let c21 = m.pipelined("c21", &r1 - &r0);
+    let c12 = m.pipelined("c12", &s1 - &s0);
+    let g = m.pipelined("g", &r0 + &r0_next - &rm - &r1);
+    let h = m.pipelined("h", &s0 + &s0_next - &sm - &s1);
+    let c11 = m.pipelined("c11", &r0 - &p1_p0 + &p8_p7);
+    let c10 = m.pipelined("c10", &p1_p0 + &p8_p7 + 2 * &p5_p3);
+    let c01 = m.pipelined("c01", &p7_p1 + &p5_p3 + 2 * &p8_p0);
+    let c00 = m.pipelined("c00", &p[0] + &p[1] + &p[3] + &p[5] + &p[7] + &p[8] + 6 * &p[4]);
+    let c21_c12 = m.pipelined("c21_c12", &c21 + &c12);
+
+    // a = 2^r, b = 4^r, c = 8^r, d = 16^r.
+    let times = |name: &str, value: &Signal, power: u32| times_power(&m, name, value, &level, power);
+    let d_c00 = times("d_c00", &c00, 4);
+    let [c_c10, c_c01] = [("c_c10", &c10), ("c_c01", &c01)].map(|(n, v)| times(n, v, 3));
+    let [b_c20, b_c02, b_c11] =
+        [("b_c20", &c20), ("b_c02", &c02), ("b_c11", &c11)].map(|(n, v)| times(n, v, 2));
+    let [a_c30, a_c03, a_c21, a_c12, a_c21_c12] =
+        [("a_c30", &c30), ("a_c03", &c03), ("a_c21", &c21), ("a_c12", &c12), ("a_c21_c12", &c21_c12)]
+            .map(|(n, v)| times(n, v, 1));
+
+    let g3 = m.pipelined("g3", 3 * &g);
+    let h3 = m.pipelined("h3", 3 * &h);
+    let gh = m.pipelined("gh", &g + &h);
+    // Rows of the table, in the order of DIFFERENCES.
+    let rows = [
+        d_c00.clone(),
+        m.pipelined("n10_sum", 2 * &c_c10 + 6 * &b_c20 + 2 * &a_c30 + &g),
+        m.pipelined("n20_sum", 12 * &m.pipelined("bc20_ac30", &b_c20 + &a_c30) + 14 * &g),
+        m.pipelined("n30_sum", 12 * &m.pipelined("ac30_g3", &a_c30 + &g3)),
+        m.pipelined("n01_sum", 2 * &c_c01 + 6 * &b_c02 + 2 * &a_c03 + &h),
+        m.pipelined("n11_sum", 6 * &m.pipelined("bc11_ac", &b_c11 + &a_c21_c12) + 2 * &gh),
+        m.pipelined("n21_sum", 12 * &m.pipelined("ac21_g", &a_c21 + &g)),
+        m.wire("n31_sum", 4 * &g3),
+        m.pipelined("n02_sum", 12 * &m.pipelined("bc02_ac03", &b_c02 + &a_c03) + 14 * &h),
+        m.pipelined("n12_sum", 12 * &m.pipelined("ac12_h", &a_c12 + &h)),
+        m.pipelined("n03_sum", 12 * &m.pipelined("ac03_h3", &a_c03 + &h3)),
+        m.wire("n13_sum", 4 * &h3),
+    ];
+    let last = rows.iter().filter_map(Signal::time).max().unwrap_or(0);
+    for ((k, l), row) in DIFFERENCES.into_iter().zip(&rows) {
+        m.output(format!("n{k}{l}"), &m.at_time(row, last));
+    }
+    m.finish()
+}
+
+/// `value * 2^(power * level)`: one shift for each bit of the level, two shifts per clock.
+fn times_power(m: &Builder, name: &str, value: &Signal, level: &Signal, power: u32) -> Signal {
+    let mut shifted = value.clone();
+    for bit in 0..level.width() {
+        let chosen = m.slice(level, bit, 1);
+        let amount = power << bit;
+        shifted = m.select(&chosen, &shifted << amount.min(100), &shifted);
+        if bit % 2 == 1 {
+            shifted = m.pipe(format!("{name}_part{}", bit / 2), &shifted);
+        }
+    }
+    if level.width() % 2 == 1 { m.pipe(name, &shifted) } else { m.wire(name, &shifted) }
+}

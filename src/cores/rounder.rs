@@ -1,0 +1,73 @@
+//! The one rounding of the exact format: a numerator over 3 * 2^s becomes the nearest integer, half up.
+//!
+//! ```text
+//! y = floor(N / (3 * 2^s) + 1/2) = floor((floor((N + 3 * 2^(s-1)) / 2^s)) / 3)
+//! ```
+//!
+//! The division by 3 is a multiplication by m = (2^k + 1) / 3 and a shift right by k, exact for every
+//! biased dividend x < 2^q when k is the first odd number from q on: m x / 2^k exceeds x / 3 by
+//! x / (3 * 2^k), which is less than 1/3. The digits of m are 1010...1011, so m x is log2(k/2) adders deep.
+
+use std::collections::BTreeMap;
+use std::rc::Rc;
+
+use crate::error::Result;
+use crate::fixed::{Range, Rounding};
+use crate::hdl::{Builder, Module, Signal, Word};
+
+/// A rounder of numerators known modulo 2^`modulus`, for results of `width` bits, `fraction` of them
+/// behind the point.
+///
+/// Inputs: `numerator`, and `valid`, which says when it means anything. Output: `rounded`.
+/// Whenever `valid` is 1 the numerator lies within 3 * 2^`shift` times the range of the result; that is
+/// the claim to be proved.
+pub fn build(modulus: u32, shift: u32, width: u32, fraction: u32) -> Result<Rc<Module>> {
+    let m = Builder::new("rounder");
+    m.purpose(format!(
+        "rounded = floor(numerator / (3 * 2^{shift}) + 1/2), correctly rounded for every numerator"
+    ));
+    m.parameter("modulus", format!("2^{modulus}"));
+    m.parameter("result_width", width);
+    let numerator = m.input("numerator", Word::modular(modulus));
+    let valid = m.input("valid", Word::bit());
+
+    let result = Range::signed(width);
+    let claimed = Word::from(result * (3i128 << shift));
+    // Read as a fixed-point number, it is three times the coordinate.
+    let point = (shift + fraction) as i32;
+    let claimed = claimed.fraction(point);
+    let numerator = m.rescale(&numerator, point);
+    let exact = m.claim("exact_numerator", &numerator, claimed, Some(&valid));
+
+    // Half a unit for the rounding, and a bias that makes the dividend non-negative.
+    let bias = 3 * -result.min;
+    let biased = m.pipe("biased", &exact + ((3i128 << shift >> 1) + (bias << shift)));
+    let dividend = m.wire("dividend", m.round(&biased, shift, Rounding::Floor));
+    let quotient = third(&m, &dividend);
+    m.output("rounded", &m.pipe("rounded", &quotient - (-result.min)));
+    m.finish()
+}
+
+/// floor(x / 3) for 0 <= x, pipelined, one adder per clock.
+fn third(m: &Builder, x: &Signal) -> Signal {
+    let k = x.width() | 1;
+    // m = 1 + 2 * (1 + 4 + 16 + ... ), with (k - 1) / 2 ones.
+    let ones = repeated(m, x, (k - 1) / 2, &mut BTreeMap::new());
+    let product = m.pipe("product", x + 2 * &ones);
+    m.rescale(&m.round(&product, k, Rounding::Floor), x.word().fraction)
+}
+
+/// x * (1 + 4 + ... + 4^(count-1)): the sum of the largest power of two of digits below, and of the rest.
+fn repeated(m: &Builder, x: &Signal, count: u32, known: &mut BTreeMap<u32, Signal>) -> Signal {
+    if count <= 1 {
+        return x.clone();
+    }
+    if let Some(sum) = known.get(&count) {
+        return sum.clone();
+    }
+    let low = count.next_power_of_two() / 2;
+    let (half, rest) = (repeated(m, x, low, known), repeated(m, x, count - low, known));
+    let sum = m.pipe(format!("times_{count}_digits"), &half + (&rest << (2 * low)));
+    known.insert(count, sum.clone());
+    sum
+}

@@ -1,0 +1,55 @@
+//! The buffer between a pipeline that cannot stop and a consumer that may.
+//!
+//! ```text
+//! issue ──► pipeline ──► push ──► RAM ──► m_valid, lanes ──► consumer
+//!   ▲                                        │
+//!   └───────────── has_room ◄── credits ◄────┘ (a word leaves the RAM)
+//! ```
+//!
+//! A word may be issued into the pipeline only against a credit, and there are as many credits as words
+//! of RAM, so the RAM cannot overflow and the pipeline needs no stall. The lanes come straight from the
+//! read registers of the RAM and change only when the consumer has taken the word.
+
+use std::rc::Rc;
+
+use crate::error::Result;
+use crate::hdl::{Builder, Module, Word};
+
+/// A FIFO of 2^`log_depth` words made of `lanes`.
+///
+/// Inputs: `issue` (a word enters the pipeline), `push` and the lanes (a word leaves it), `ready`.
+/// Outputs: `has_room` (one more may be issued), `valid` and the lanes.
+pub fn build(log_depth: u32, lanes: &[(String, Word)]) -> Result<Rc<Module>> {
+    let m = Builder::new("stream_fifo");
+    let depth = 1i128 << log_depth;
+    m.purpose(format!("A FIFO of {depth} words behind a pipeline that runs on credits and never stalls."));
+    let [issue, push, ready] = ["issue", "push", "ready"].map(|name| m.input(name, Word::bit()));
+    let inputs: Vec<_> = lanes.iter().map(|(name, word)| m.input(format!("in_{name}"), *word)).collect();
+
+    let pointer = Word::unsigned(log_depth);
+    let [written, read] = ["written", "read"].map(|name| m.register_reset(name, pointer, 0));
+    let valid = m.register_reset("valid", Word::bit(), 0);
+    let empty = m.compare(crate::hdl::Relation::Equal, &written, &read);
+    let take = m.wire("take", !empty & &(!&valid | &ready));
+
+    m.on(&push, &written, m.wrap(&written + 1, pointer));
+    m.on(&take, &read, m.wrap(&read + 1, pointer));
+    m.on(&take, &valid, m.bit(true));
+    m.on(&ready, &valid, m.bit(false));
+
+    // All words of the RAM but one: a full RAM would look like an empty one.
+    let credits = m.register_reset("credits", Word::range(0, depth - 1), depth - 1);
+    let credit_word = credits.word();
+    m.on(&(&issue & !&take), &credits, m.wrap(&credits - 1, credit_word));
+    m.on(&(!&issue & &take), &credits, m.wrap(&credits + 1, credit_word));
+    m.output("has_room", &m.wire("has_room", !m.is(&credits, 0)));
+
+    m.output("valid", &valid);
+    for ((name, word), input) in lanes.iter().zip(&inputs) {
+        let ram = m.memory(&format!("ram_{name}"), depth as u32, *word, vec![]);
+        ram.write(&push, &written, input);
+        let lane = m.restart(&ram.read(&format!("out_{name}"), &read, Some(&take)), 0);
+        m.output(format!("out_{name}"), &lane);
+    }
+    m.finish()
+}
