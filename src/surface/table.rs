@@ -51,7 +51,7 @@ impl Table {
     /// The table for coordinates of `width` bits (2..=32): `width + 16` bits.
     ///
     /// Why 16: the table's part of the error of any surface point is at most K_n 2^-bits D0 with the ring
-    /// radius D0 < 2^width and K_32 = 103 (see [`crate::surface::error_bound`]), so below 1/600 unit; with
+    /// radius D0 < 2^width and K_32 = 105 (see [`crate::surface::error_bound`]), so below 1/600 unit; with
     /// the rounding of irregular vertices, at most 1/30, it stays below 1/16.
     ///
     /// # Errors
