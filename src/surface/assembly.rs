@@ -1,0 +1,71 @@
+//! Puts the samples of all patches together: one position per vertex of the fine mesh, and the cracks.
+//!
+//! ```text
+//!   patch, (i, j), position  -->  vertex id of the fine grid  -->  first position, or the same again,
+//!                                                                  or another one: a crack
+//! ```
+
+use crate::surface::fine_grid::FineGrid;
+use crate::surface::hierarchy::Patch;
+use std::collections::BTreeSet;
+
+/// Collects positions by vertex id.
+#[derive(Clone, Debug)]
+pub struct Assembly<'a> {
+    grid: FineGrid<'a>,
+    positions: Vec<Option<[i64; 3]>>,
+    /// Positions that differ from the first one of their vertex.
+    others: BTreeSet<(usize, [i64; 3])>,
+}
+
+impl<'a> Assembly<'a> {
+    pub fn new(grid: FineGrid<'a>) -> Self {
+        let positions = vec![None; grid.vertex_count()];
+        Assembly { grid, positions, others: BTreeSet::new() }
+    }
+
+    pub fn grid(&self) -> &FineGrid<'a> {
+        &self.grid
+    }
+
+    /// Sample p(i, j) of a patch.
+    pub fn put<P>(&mut self, patch: &Patch<P>, i: usize, j: usize, position: [i64; 3]) {
+        let [u, v] = patch.lattice(i as i32, j as i32);
+        let id = self.grid.vertex(patch.face as usize, u as usize, v as usize);
+        match self.positions[id] {
+            None => self.positions[id] = Some(position),
+            Some(known) if known == position => {}
+            Some(_) => {
+                self.others.insert((id, position));
+            }
+        }
+    }
+
+    /// Distinct pairs of a vertex and a position: the vertex count of the subdivided mesh exactly if every
+    /// vertex was delivered and no crack is open.
+    pub fn distinct_vertices(&self) -> usize {
+        self.positions.iter().flatten().count() + self.others.len()
+    }
+
+    /// Vertices that came out at more than one position.
+    pub fn cracks(&self) -> usize {
+        let mut vertices: Vec<usize> = self.others.iter().map(|&(id, _)| id).collect();
+        vertices.dedup(); // sorted by the set
+        vertices.len()
+    }
+
+    /// The first vertices (at most `limit`) that came out at more than one position, for a message.
+    pub fn first_cracks(&self, limit: usize) -> impl Iterator<Item = (usize, [i64; 3])> + '_ {
+        self.others.iter().copied().take(limit)
+    }
+
+    /// Vertices that no patch delivered.
+    pub fn missing(&self) -> usize {
+        self.positions.iter().filter(|p| p.is_none()).count()
+    }
+
+    /// One position a vertex, in the order of the ids; none if a vertex is missing.
+    pub fn positions(&self) -> Option<Vec<[i64; 3]>> {
+        self.positions.iter().copied().collect()
+    }
+}
