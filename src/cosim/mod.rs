@@ -1,1 +1,61 @@
-//! Co-simulation: the same vectors through every simulator, compared bit for bit.
+//! Co-simulation: the same vectors through every simulator, every bit compared.
+//!
+//! ```text
+//!            ┌─► verilator            C++ harness, fast ──────┐
+//! Dut ───────┼─► verilator-testbench  the emitted testbench ──┤
+//! Stimulus   ├─► icarus               the emitted testbench ──┼─► Outcome: beats, clocks, failures
+//!            └─► builtin              a Clocked model ────────┘
+//! ```
+//!
+//! All of them stall on the same clocks, make the same checks (values, order, `tlast`, `tuser`, `tkeep`,
+//! stability under stall, unknown bits, latency, number of clocks, hanging) and say what is wrong in
+//! the same words.
+
+mod beat;
+mod build_cache;
+mod builtin;
+mod compare;
+mod coverage;
+mod dut;
+mod external;
+mod failure;
+mod icarus;
+mod outcome;
+mod process;
+mod settings;
+mod stall;
+mod testbench;
+mod tools;
+mod vectors;
+mod verdict;
+mod verilator;
+mod work;
+mod workarounds;
+
+pub use beat::{Beat, Lane, Port};
+pub use builtin::{Builtin, Clocked, Handshake};
+pub use coverage::{Coverage, CoveragePoint};
+pub use dut::{Dut, Latency, Stimulus};
+pub use external::{External, Tool};
+pub use failure::{Failure, Number, Shift};
+pub use outcome::Outcome;
+pub use settings::Settings;
+pub use stall::{PATTERN, Stall};
+pub use testbench::{testbench, testbench_name};
+pub use tools::{ToolStatus, Version, tools};
+pub use vectors::{write_beats, write_stalls};
+
+use crate::Result;
+
+/// One way to run a core.
+pub trait Simulator {
+    /// As on the command line: `verilator`, `verilator-testbench`, `icarus`, `builtin`.
+    fn name(&self) -> &'static str;
+
+    /// The version that would run; [`crate::Kind::ToolMissing`] with the line that installs it.
+    fn version(&self) -> Result<String>;
+
+    /// Runs the core. A wrong core is an `Ok` with failures inside; `Err` means that there is no
+    /// verdict: a tool is missing, failed, or was stopped because it took too long.
+    fn run(&self, dut: &Dut, stimulus: &Stimulus) -> Result<Outcome>;
+}

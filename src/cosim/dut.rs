@@ -1,0 +1,115 @@
+//! The device under test and what is asked of it: any core with one AXI4-Stream in and one out.
+//!
+//! ```text
+//!              ┌───────────── Dut ─────────────┐
+//! s_axis_* ──► │ files, top module, two shapes │ ──► m_axis_*        aclk, aresetn (active low)
+//!              └───────────────────────────────┘
+//! ```
+
+use super::{Beat, Port, Stall};
+use crate::{Error, Result};
+use std::path::PathBuf;
+
+/// A core as Verilog text and the shapes of its two streams.
+#[derive(Clone, Debug)]
+pub struct Dut {
+    /// Name of the top module.
+    pub top: String,
+    /// File name and text; those that do not end in `.v` only lie beside the others (include files,
+    /// contents of ROMs).
+    pub files: Vec<(String, String)>,
+    /// `s_axis_tdata`, `s_axis_tkeep`, `s_axis_tuser`, `s_axis_tlast`, where present.
+    pub input: Port,
+    /// `m_axis_tdata`, `m_axis_tkeep`, `m_axis_tuser`, `m_axis_tlast`, where present.
+    pub output: Port,
+    /// Asserted by the testbench when given.
+    pub latency: Option<Latency>,
+}
+
+/// Clocks from the acceptance of one input beat to the first valid output, while nothing stalls.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Latency {
+    /// Index of the input beat, from 0: usually the last one of the first packet.
+    pub beat: u64,
+    /// Output valid at clock `t + clocks` when that beat was accepted at clock `t`.
+    pub clocks: u64,
+}
+
+impl Dut {
+    /// Refuses what no testbench could be written for.
+    pub fn check(&self) -> Result<()> {
+        let names = std::iter::once(&self.top).chain(self.files.iter().map(|(name, _)| name));
+        for name in names {
+            let plain = |c: char| c.is_ascii_alphanumeric() || "_.-".contains(c);
+            if name.is_empty() || name.starts_with(['.', '-']) || !name.chars().all(plain) {
+                return Err(Error::usage(format!("'{name}' is no plain file or module name")));
+            }
+        }
+        self.input.check("s_axis")?;
+        self.output.check("m_axis")
+    }
+
+    /// The names of the Verilog sources, in the order given.
+    pub(super) fn sources(&self) -> impl Iterator<Item = &str> {
+        self.files.iter().map(|(name, _)| name.as_str()).filter(|name| name.ends_with(".v"))
+    }
+}
+
+/// What goes in, what must come out, and under which stalls.
+#[derive(Clone, Debug)]
+pub struct Stimulus {
+    pub input: Vec<Beat>,
+    /// Bytes whose `tkeep` is 0 here are not compared.
+    pub expected: Vec<Beat>,
+    /// When the testbench holds back its next input beat.
+    pub gaps: Stall,
+    /// When the testbench refuses an output beat.
+    pub back_pressure: Stall,
+    /// Seed of both patterns.
+    pub seed: u64,
+    /// Clocks from the release of reset to the last output beat; a core that needs another number
+    /// fails, however right its values are.
+    pub expected_clocks: Option<u64>,
+    /// Clocks without any transfer after which the core counts as hanging.
+    pub patience: u64,
+    /// Where to write the waveform around the first failure.
+    pub vcd: Option<PathBuf>,
+}
+
+impl Stimulus {
+    /// No stalls, no expected number of clocks, no waveform.
+    pub fn new(input: Vec<Beat>, expected: Vec<Beat>) -> Self {
+        Stimulus {
+            input,
+            expected,
+            gaps: Stall::None,
+            back_pressure: Stall::None,
+            seed: 0,
+            expected_clocks: None,
+            patience: 20_000,
+            vcd: None,
+        }
+    }
+
+    /// Refuses beats that do not have the shape of their port.
+    pub(super) fn check(&self, dut: &Dut) -> Result<()> {
+        let streams = [("input", &self.input, &dut.input), ("expected", &self.expected, &dut.output)];
+        for (name, beats, port) in streams {
+            if let Some(at) = beats.iter().position(|beat| !port.fits(beat)) {
+                return Err(Error::usage(format!("{name} beat {at} does not have its port's shape"))
+                    .help("words of 64 bits, the bits above the width zero; see cosim::Beat"));
+            }
+        }
+        Ok(())
+    }
+
+    /// For each clock of the pattern, whether an input beat may be offered.
+    pub fn offer_pattern(&self) -> Vec<bool> {
+        self.gaps.pattern(self.seed.wrapping_mul(2))
+    }
+
+    /// For each clock of the pattern, whether `m_axis_tready` is high.
+    pub fn ready_pattern(&self) -> Vec<bool> {
+        self.back_pressure.pattern(self.seed.wrapping_mul(2).wrapping_add(1))
+    }
+}
