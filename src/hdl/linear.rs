@@ -84,9 +84,7 @@ impl<const N: usize> LinearForms<N> {
         let range = match &value {
             Value::Integer(number) => Range::point(*number),
             Value::Form(form) => self.range(form),
-            Value::Unknown => {
-                return self.refuse(flat, id, "what is claimed is no linear function of the inputs".into());
-            }
+            Value::Unknown => return Value::Unknown,
         };
         let known = match &value {
             Value::Form(form) if form.modulus != 0 => Range::signed(form.modulus),
@@ -143,9 +141,8 @@ impl<const N: usize> Domain for LinearForms<N> {
             },
             Cell::Claim { of, when } => match when.map(value) {
                 None => self.claim(flat, id, value(*of)),
-                Some(Value::Integer(0)) => Value::Unknown,
-                Some(Value::Integer(_)) => self.claim(flat, id, value(*of)),
-                Some(_) => self.refuse(flat, id, "the condition of the claim depends on data".into()),
+                Some(Value::Integer(condition)) if condition != 0 => self.claim(flat, id, value(*of)),
+                Some(_) => Value::Unknown,
             },
             Cell::Wrap { of } => match value(*of) {
                 Value::Form(form) => self.wrap(word, form),

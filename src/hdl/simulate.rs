@@ -1,7 +1,8 @@
 //! The built-in simulator: cycle by cycle, over whatever flows through the wires.
 //!
 //! It is generic over a [`Domain`]: integers make it a simulator, exact linear forms make it a prover.
-//! Both walk the same cells as the Verilog printer.
+//! Both walk the same cells as the Verilog printer. A cell is evaluated only after something it reads has
+//! changed, so parts of a design that rest cost next to nothing.
 
 use super::Word;
 use super::cell::{Bitwise, Cell, NodeId, Relation};
@@ -11,7 +12,7 @@ use crate::fixed::Range;
 
 /// What flows through the wires.
 pub trait Domain {
-    type Value: Clone;
+    type Value: Clone + PartialEq;
 
     /// What a register without a reset, or a word of a RAM, holds at first.
     fn unset(&self) -> Self::Value;
@@ -30,6 +31,11 @@ pub struct Simulator<D: Domain> {
     pub domain: D,
     values: Vec<D::Value>,
     memories: Vec<Vec<D::Value>>,
+    /// Whether something that the node reads has changed since it was last evaluated.
+    stale: Vec<bool>,
+    /// Who reads a node: `readers[starts[id] .. starts[id + 1]]`.
+    readers: Vec<u32>,
+    starts: Vec<u32>,
     /// What the clocked nodes take at the edge, gathered before any of them changes.
     next: Vec<(NodeId, D::Value)>,
     clock: u64,
@@ -52,7 +58,9 @@ impl<D: Domain> Simulator<D> {
                 words
             })
             .collect();
-        Simulator { flat, domain, values, memories, next: vec![], clock: 0 }
+        let (readers, starts) = readers(&flat);
+        let stale = vec![true; flat.nodes.len()];
+        Simulator { flat, domain, values, memories, stale, readers, starts, next: vec![], clock: 0 }
     }
 
     /// Rising edges so far.
@@ -62,7 +70,18 @@ impl<D: Domain> Simulator<D> {
 
     /// Puts a value on an input; [`Simulator::settle`] lets it through.
     pub fn set(&mut self, input: NodeId, value: D::Value) {
-        self.values[input.index()] = value;
+        self.change(input, value);
+    }
+
+    fn change(&mut self, id: NodeId, value: D::Value) {
+        let slot = &mut self.values[id.index()];
+        if *slot != value {
+            *slot = value;
+            let (from, to) = (self.starts[id.index()] as usize, self.starts[id.index() + 1] as usize);
+            for &reader in &self.readers[from..to] {
+                self.stale[reader as usize] = true;
+            }
+        }
     }
 
     pub fn get(&self, id: NodeId) -> &D::Value {
@@ -71,48 +90,75 @@ impl<D: Domain> Simulator<D> {
 
     /// Evaluates all combinational cells.
     pub fn settle(&mut self) {
-        for &id in &self.flat.order {
-            self.values[id.index()] = self.domain.evaluate(&self.flat, id, &self.values);
+        for index in 0..self.flat.order.len() {
+            let id = self.flat.order[index];
+            if std::mem::replace(&mut self.stale[id.index()], false) {
+                let value = self.domain.evaluate(&self.flat, id, &self.values);
+                self.change(id, value);
+            }
         }
     }
 
     /// One rising clock edge, with the reset active or not. Call after [`Simulator::settle`].
+    ///
+    /// While the reset is active, control may still be unset: what it steers is unset then, too.
     pub fn edge(&mut self, reset: bool) -> Result<()> {
         self.clock += 1;
         let mut next = std::mem::take(&mut self.next);
         for &id in &self.flat.clocked {
-            match &self.flat.node(id).cell {
-                Cell::Register { reset: Some(value), .. } if reset => {
-                    next.push((id, self.domain.integer(*value)))
-                }
-                Cell::Register { next: Some(source), enable, .. } => {
-                    if self.enabled(*enable, id)? {
-                        let value = &self.values[source.index()];
-                        next.push((id, self.domain.latch(self.flat.node(id).word, value)));
-                    }
-                }
-                Cell::MemoryRead { memory, address, enable } => {
-                    if self.enabled(*enable, id)? {
-                        let words = &self.memories[*memory];
-                        let word = self.integer(*address, id)? as usize;
-                        next.push((id, words.get(word).cloned().unwrap_or_else(|| self.domain.unset())));
-                    }
-                }
-                _ => {}
+            let node = self.flat.node(id);
+            // A register that took, or did not take, the same value at the last edge will not change. A
+            // memory read may, as its memory is written.
+            let resting = !std::mem::replace(&mut self.stale[id.index()], reset);
+            if resting && matches!(node.cell, Cell::Register { .. }) {
+                continue;
             }
+            let (enable, value) = match &node.cell {
+                Cell::Register { reset: Some(value), .. } if reset => {
+                    next.push((id, self.domain.integer(*value)));
+                    continue;
+                }
+                Cell::Register { next: Some(source), enable, .. } => (*enable, *source),
+                Cell::MemoryRead { address, enable, .. } => (*enable, *address),
+                _ => continue,
+            };
+            let enabled = match self.enabled(enable, id) {
+                Ok(enabled) => enabled,
+                Err(_) if reset => {
+                    next.push((id, self.domain.unset()));
+                    continue;
+                }
+                Err(error) => return Err(error),
+            };
+            if !enabled {
+                continue;
+            }
+            let taken = match &node.cell {
+                Cell::MemoryRead { memory, .. } => match self.integer(value, id) {
+                    Ok(address) => self.memories[*memory].get(address as usize).cloned(),
+                    Err(_) if reset => None,
+                    Err(error) => return Err(error),
+                },
+                _ => Some(self.domain.latch(node.word, &self.values[value.index()])),
+            };
+            next.push((id, taken.unwrap_or_else(|| self.domain.unset())));
         }
         for (index, memory) in self.flat.memories.iter().enumerate() {
-            if let Some(write) = &memory.write
-                && self.enabled(Some(write.enable), write.data)?
-            {
-                let address = self.integer(write.address, write.data)? as usize;
-                if let Some(word) = self.memories[index].get_mut(address) {
-                    *word = self.values[write.data.index()].clone();
-                }
+            let Some(write) = &memory.write else { continue };
+            let target = self.enabled(Some(write.enable), write.data).and_then(|enabled| {
+                if enabled { self.integer(write.address, write.data).map(Some) } else { Ok(None) }
+            });
+            let target = match target {
+                Ok(target) => target,
+                Err(_) if reset => None,
+                Err(error) => return Err(error),
+            };
+            if let Some(word) = target.and_then(|address| self.memories[index].get_mut(address as usize)) {
+                *word = self.values[write.data.index()].clone();
             }
         }
         for (id, value) in next.drain(..) {
-            self.values[id.index()] = value;
+            self.change(id, value);
         }
         self.next = next;
         Ok(())
@@ -129,6 +175,22 @@ impl<D: Domain> Simulator<D> {
                 .help("control that depends on data cannot be proved by linear forms; reset what is not set")
         })
     }
+}
+
+fn readers(flat: &Flat) -> (Vec<u32>, Vec<u32>) {
+    let mut lists: Vec<Vec<u32>> = vec![vec![]; flat.nodes.len()];
+    for (reader, node) in flat.nodes.iter().enumerate() {
+        let cell = &node.node.cell;
+        for read in cell.combinational_inputs().into_iter().chain(cell.clocked_inputs()) {
+            lists[read.index()].push(reader as u32);
+        }
+    }
+    let mut starts = vec![0];
+    starts.extend(lists.iter().scan(0, |sum, list| {
+        *sum += list.len() as u32;
+        Some(*sum)
+    }));
+    (lists.concat(), starts)
 }
 
 /// Plain integers: exactly what the emitted Verilog does.

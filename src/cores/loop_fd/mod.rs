@@ -27,6 +27,7 @@
 mod control;
 mod engine;
 mod loader;
+pub mod proof;
 mod startup;
 mod top;
 
