@@ -15,6 +15,7 @@ mod beat;
 mod build_cache;
 mod builtin;
 mod compare;
+mod core;
 mod coverage;
 mod dut;
 mod external;
@@ -34,6 +35,7 @@ mod workarounds;
 
 pub use beat::{Beat, Lane, Port};
 pub use builtin::{Builtin, Clocked, Handshake};
+pub use core::{Model, device};
 pub use coverage::{Coverage, CoveragePoint};
 pub use dut::{Dut, Latency, Stimulus};
 pub use external::{External, Tool};

@@ -19,6 +19,7 @@
 mod arithmetic;
 mod builder;
 pub mod cell;
+mod count;
 mod expression;
 pub mod flat;
 mod form;
@@ -28,11 +29,13 @@ mod module;
 mod names;
 pub mod simulate;
 mod state;
+pub mod vcd;
 pub mod verilog;
 mod word;
 
 pub use builder::{Builder, Placed};
 pub use cell::{Bitwise, Cell, Node, NodeId, Relation, Term};
+pub use count::Counts;
 pub use expression::{Expr, Signal, Sum};
 pub use flat::Flat;
 pub use linear::LinearForms;

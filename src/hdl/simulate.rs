@@ -88,7 +88,7 @@ impl<D: Domain> Simulator<D> {
         &self.values[id.index()]
     }
 
-    /// Evaluates all combinational cells.
+    /// Evaluates all combinational cells that something has changed for.
     pub fn settle(&mut self) {
         for index in 0..self.flat.order.len() {
             let id = self.flat.order[index];
@@ -191,6 +191,13 @@ fn readers(flat: &Flat) -> (Vec<u32>, Vec<u32>) {
         Some(*sum)
     }));
     (lists.concat(), starts)
+}
+
+impl Simulator<Integers> {
+    /// The integer at the n-th node of the flat design.
+    pub fn value_at(&self, index: usize) -> i128 {
+        self.values[index]
+    }
 }
 
 /// Plain integers: exactly what the emitted Verilog does.

@@ -1,0 +1,202 @@
+//! How many clocks a `loop-fd` takes, under any stalls: its protocol without its data.
+//!
+//! ```text
+//! accept 12 points ─► hand over 3 axes ─► start-up ─► wait ─► load, start, 2 clocks ─► a beat a clock
+//!                                                                 ─► rounders ─► FIFO ─► consumer
+//! ```
+//!
+//! A core that computes the right values but needs other clocks than these is wrong. The depths of the
+//! pipelines are what the core declares; everything else is the protocol's.
+
+/// The declared depths, in clocks or words.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Depths {
+    /// From the points at the start-up's input to the differences at its output.
+    pub startup: u32,
+    /// From the running differences to the rounded vertices.
+    pub rounder: u32,
+    /// Words of the output FIFO's memory; one of them always stays free.
+    pub fifo: u32,
+}
+
+/// What happened in one run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Clocks {
+    /// From the first clock after reset to the last output beat, both counted.
+    pub total: u64,
+    /// From the acceptance of the 12th point to the first valid output.
+    pub latency: u64,
+}
+
+/// Beats of a patch of this level: 2^level strips of a pair a row and a single vertex.
+pub fn beats(level: u32) -> u64 {
+    let steps = 1u64 << level;
+    steps * (steps + 3) / 2
+}
+
+/// Runs packets of the given levels. In clock c a waiting beat may be offered if `offer[c % len]`, and
+/// then stays offered until it is accepted; the output is taken if `ready[c % len]`.
+pub fn run(levels: &[u32], depths: Depths, offer: &[bool], ready: &[bool]) -> Clocks {
+    let mut machine = Machine { depths, credits: depths.fifo - 1, ..Machine::default() };
+    let wanted: u64 = levels.iter().map(|&level| beats(level)).sum();
+    let (mut received, mut offering, mut clock) = (0, false, 0u64);
+    let mut accepted = 0;
+    let (mut first_packet, mut first_output) = (0, None);
+    while received < wanted {
+        let at = |pattern: &[bool]| pattern[clock as usize % pattern.len()];
+        offering |= accepted < 12 * levels.len() && at(offer);
+        let next_level = levels.get(accepted / 12).copied();
+        let (took, valid) = machine.clock(next_level.filter(|_| offering), at(ready));
+        if took {
+            accepted += 1;
+            offering = false;
+            if accepted == 12 {
+                first_packet = clock;
+            }
+        }
+        if valid {
+            first_output.get_or_insert(clock);
+            received += u64::from(at(ready));
+        }
+        clock += 1;
+    }
+    Clocks { total: clock, latency: first_output.map_or(0, |first| first - first_packet) }
+}
+
+#[derive(Default)]
+struct Machine {
+    depths: Depths,
+    now: u64,
+    // Loader.
+    count: u32,
+    full: bool,
+    axis: u32,
+    loading_level: u32,
+    // Between loader and engines.
+    reserved: bool,
+    /// The clock in which the last axis arrives, and its level.
+    arriving: Option<(u64, u32)>,
+    waiting: Option<u32>,
+    // Strip control.
+    starting: bool,
+    running: bool,
+    length: u64,
+    pairs_left: u64,
+    // Output.
+    credits: u32,
+    /// Clocks in which words reach the FIFO, in order.
+    in_flight: std::collections::VecDeque<u64>,
+    stored: u32,
+    valid: bool,
+}
+
+impl Default for Depths {
+    fn default() -> Self {
+        Depths { startup: 0, rounder: 0, fifo: 1 }
+    }
+}
+
+impl Machine {
+    /// One clock; returns whether the offered point was accepted, and whether the output was valid.
+    fn clock(&mut self, offered: Option<u32>, ready: bool) -> (bool, bool) {
+        let strobe = self.full && (self.axis > 0 || !self.reserved);
+        let leaving = strobe && self.axis == 2;
+        let accept = offered.filter(|_| !self.full || leaving);
+
+        let issue = self.running && self.credits > 0;
+        let strip_end = self.pairs_left == 0;
+        let finishing = issue && strip_end && self.length <= 1;
+        let next_strip = issue && strip_end && self.length > 1;
+        let load = self.waiting.filter(|_| finishing || !(self.running || self.starting));
+
+        let take = self.stored > 0 && (!self.valid || ready);
+        let valid = self.valid;
+
+        // The edge. Output side:
+        self.valid = take || (valid && !ready);
+        self.stored -= u32::from(take);
+        if self.in_flight.front() == Some(&self.now) {
+            self.in_flight.pop_front();
+            self.stored += 1;
+        }
+        if issue {
+            self.in_flight.push_back(self.now + u64::from(self.depths.rounder));
+            if self.depths.rounder == 0 {
+                self.in_flight.pop_back();
+                self.stored += 1;
+            }
+        }
+        self.credits = self.credits + u32::from(take) - u32::from(issue);
+
+        // Strip control:
+        if issue && !strip_end {
+            self.pairs_left -= 1;
+        }
+        if next_strip {
+            self.length -= 1;
+            self.pairs_left = self.length;
+        }
+        if self.starting {
+            self.pairs_left = self.length;
+        }
+        self.running = self.starting || (self.running && !finishing);
+        self.starting = load.is_some();
+        if let Some(level) = load {
+            self.length = 1 << level;
+            self.waiting = None;
+        }
+
+        // Hand-over:
+        if let Some((_, level)) = self.arriving.filter(|(when, _)| *when == self.now) {
+            self.waiting = Some(level);
+            self.arriving = None;
+        }
+        if leaving {
+            self.arriving = Some((self.now + 1 + u64::from(self.depths.startup), self.loading_level));
+        }
+        self.reserved = (strobe && self.axis == 0) || (self.reserved && load.is_none());
+        if strobe {
+            self.axis = (self.axis + 1) % 3;
+        }
+        self.full &= !leaving;
+
+        // Loader:
+        if let Some(level) = accept {
+            self.count += 1;
+            if self.count == 12 {
+                (self.count, self.full, self.loading_level) = (0, true, level);
+            }
+        }
+        self.now += 1;
+        (accept.is_some(), valid)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const DEPTHS: Depths = Depths { startup: 9, rounder: 7, fifo: 16 };
+
+    #[test]
+    fn back_to_back_patches_of_level_4_keep_the_output_busy() {
+        let ten = run(&[4; 10], DEPTHS, &[true], &[true]);
+        let hundred = run(&[4; 100], DEPTHS, &[true], &[true]);
+        let (beats, clocks) = (90 * beats(4), hundred.total - ten.total);
+        assert!(beats as f64 / clocks as f64 >= 0.98, "{beats} beats in {clocks} clocks");
+    }
+
+    #[test]
+    fn the_consumer_sets_the_pace() {
+        let mut ready = vec![false; 5];
+        ready[4] = true;
+        let slow = run(&[3; 20], DEPTHS, &[true], &ready);
+        assert!(slow.total >= 5 * 20 * beats(3));
+        assert!(slow.total < 5 * 20 * beats(3) + 100);
+    }
+
+    #[test]
+    fn a_triangle_has_two_beats_a_strip_of_one() {
+        assert_eq!([0, 1, 2, 4].map(beats), [2, 5, 14, 152]);
+    }
+}
