@@ -18,7 +18,7 @@ use crate::surface::table::Table;
 use crate::surface::word::Word;
 
 /// Evaluates the whole mesh at resolution `level` and writes the vertices of all patches, in the order of
-/// the packets, to `vertices` (which is cleared first and keeps its memory).
+/// the packets, to `vertices`, whose old contents are overwritten (a buffer used again is not filled twice).
 ///
 /// # Errors
 /// Coordinates wider than the core's, a level above its maximum.
@@ -29,17 +29,16 @@ pub fn render(
     table: &Table,
     vertices: &mut Vec<[i64; 3]>,
 ) -> Result<Counts> {
-    vertices.clear();
     if mesh.width() > core.width() {
         return Err(Error::input(format!("coordinates of {} bits", mesh.width()))
             .help(format!("this core takes {} bits: use a smaller scale or a wider format", core.width())));
     }
     if core.word_bits() > i64::BITS {
-        return render_with::<i128, _>(mesh, level, core, table, &ByDivision::new(core), vertices);
+        return render_with::<i128, _>(mesh, level, core, table, ByDivision::new(core), vertices);
     }
     match ByMultiplication::new(core) {
-        Some(rounding) => render_with::<i64, _>(mesh, level, core, table, &rounding, vertices),
-        None => render_with::<i64, _>(mesh, level, core, table, &ByDivision::new(core), vertices),
+        Some(rounding) => render_with::<i64, _>(mesh, level, core, table, rounding, vertices),
+        None => render_with::<i64, _>(mesh, level, core, table, ByDivision::new(core), vertices),
     }
 }
 
@@ -48,12 +47,18 @@ fn render_with<W: Word, R: Rounding<W>>(
     level: u32,
     core: &LoopFd,
     table: &Table,
-    rounding: &R,
+    rounding: R,
     vertices: &mut Vec<[i64; 3]>,
 ) -> Result<Counts> {
-    patches_of::<W>(mesh, level, core.max_level(), table, |patch| {
-        let start = vertices.len();
-        vertices.resize(start + LoopFd::vertex_count(patch.level), [0; 3]);
-        Columns::new(patch.level, &patch.points, rounding).all(patch.level, &mut vertices[start..]);
-    })
+    let (mut end, mut columns) = (0, Columns::new(rounding));
+    let counts = patches_of::<W>(mesh, level, core.max_level(), table, |patch| {
+        let start = end;
+        end += LoopFd::vertex_count(patch.level);
+        if end > vertices.len() {
+            vertices.resize(end.max(2 * start), [0; 3]);
+        }
+        columns.patch(patch.level, &patch.points, &mut vertices[start..end]);
+    })?;
+    vertices.truncate(end);
+    Ok(counts)
 }

@@ -1,4 +1,4 @@
-//! The fast way: forward differences in wrapping words, every column computed once, two at a time.
+//! The fast way: forward differences in wrapping words, every column computed once.
 //!
 //! ```text
 //!   outer registers N(k,l), at (i, 0)        column i starts from  N00 N01 N02 N03
@@ -9,109 +9,97 @@
 //! ```
 //!
 //! The engine is linear with integer coefficients: computed modulo 2^B, registers may overflow as they
-//! please, and samples are exact because they fit in B = W + 4R + 4 bits. Two columns and three axes make
-//! six independent lanes, which the compiler puts into vectors.
+//! please, and samples are exact because they fit in B = W + 4R + 4 bits. A column is differenced axis by axis
+//! (five numbers, all in registers), then rounded in one sweep that the compiler puts into vectors.
 //! Source: Bischoff, Kobbelt, Seidel 2000, section 3.3, without the three differences that are zero or twice
 //! another (N22, N40, N04); start-up as in [`crate::surface::forward`].
 
 use super::rounding::Rounding;
 use crate::surface::word::Word;
 
-/// One number per axis.
-type Triple<W> = [W; 3];
+/// Vertices that are differenced, then rounded, together.
+const CHUNK: usize = 64;
 
-/// Two columns side by side: x, y, z of the left one, x, y, z of the right one.
-const LANES: usize = 6;
-
-/// Walks over the columns of one patch.
-pub struct Columns<'a, W, R> {
-    rounding: &'a R,
-    /// N00 N10 N20 N30; N01 N11 N21 N31; N02 N12; N03 N13.
-    row0: [Triple<W>; 4],
-    row1: [Triple<W>; 4],
-    row2: [Triple<W>; 2],
-    row3: [Triple<W>; 2],
+/// The outer registers of one axis.
+#[derive(Clone, Copy, Debug, Default)]
+struct Outer<W> {
+    /// N00 N10 N20 N30
+    row0: [W; 4],
+    /// N01 N11 N21 N31
+    row1: [W; 4],
+    /// N02 N12
+    row2: [W; 2],
+    /// N03 N13
+    row3: [W; 2],
 }
 
-impl<'a, W: Word, R: Rounding<W>> Columns<'a, W, R> {
-    /// Starts before column 0 of a patch of level `level`.
-    pub fn new(level: u32, points: &[Triple<W>; 12], rounding: &'a R) -> Self {
-        let mut columns = Columns {
-            rounding,
-            row0: [[W::ZERO; 3]; 4],
-            row1: [[W::ZERO; 3]; 4],
-            row2: [[W::ZERO; 3]; 2],
-            row3: [[W::ZERO; 3]; 2],
-        };
-        for axis in 0..3 {
-            let n = differences(level, &points.map(|p| p[axis]));
-            (0..4).for_each(|k| columns.row0[k][axis] = n[0][k]);
-            (0..4).for_each(|k| columns.row1[k][axis] = n[1][k]);
-            (0..2).for_each(|k| columns.row2[k][axis] = n[2][k]);
-            (0..2).for_each(|k| columns.row3[k][axis] = n[3][k]);
-            columns.row0[0][axis] = n[0][0].plus(rounding.folded());
-        }
-        columns
-    }
-
-    /// l0..l3 of the column at hand.
-    #[inline(always)]
-    fn column(&self) -> [Triple<W>; 4] {
-        [self.row0[0], self.row1[0], self.row2[0], self.row3[0]]
-    }
-
-    /// Goes on to the next column.
+impl<W: Word> Outer<W> {
+    /// i -> i+1.
     #[inline(always)]
     fn step(&mut self) {
-        for x in 0..3 {
-            let twice_n31 = self.row1[3][x].plus(self.row1[3][x]);
-            for k in 0..3 {
-                self.row0[k][x] = self.row0[k][x].plus(self.row0[k + 1][x]);
-                self.row1[k][x] = self.row1[k][x].plus(self.row1[k + 1][x]);
-            }
-            self.row0[3][x] = self.row0[3][x].plus(twice_n31);
-            self.row2[0][x] = self.row2[0][x].plus(self.row2[1][x]);
-            self.row3[0][x] = self.row3[0][x].plus(self.row3[1][x]);
+        for k in 0..3 {
+            self.row0[k] = self.row0[k].plus(self.row0[k + 1]);
+        }
+        self.row0[3] = self.row0[3].plus(self.row1[3]).plus(self.row1[3]);
+        for k in 0..3 {
+            self.row1[k] = self.row1[k].plus(self.row1[k + 1]);
+        }
+        self.row2[0] = self.row2[0].plus(self.row2[1]);
+        self.row3[0] = self.row3[0].plus(self.row3[1]);
+    }
+}
+
+/// Walks over the columns of one patch after the other.
+pub struct Columns<W, R> {
+    rounding: R,
+    axes: [Outer<W>; 3],
+    /// N00 of the vertices at hand.
+    samples: [[W; 3]; CHUNK],
+}
+
+impl<W: Word, R: Rounding<W>> Columns<W, R> {
+    pub fn new(rounding: R) -> Self {
+        Columns { rounding, axes: [Outer::default(); 3], samples: [[W::ZERO; 3]; CHUNK] }
+    }
+
+    /// Goes to column 0 of a patch.
+    pub fn start(&mut self, level: u32, points: &[[W; 3]; 12]) {
+        for (x, axis) in self.axes.iter_mut().enumerate() {
+            *axis = differences(level, &points.map(|p| p[x]));
+            axis.row0[0] = axis.row0[0].plus(self.rounding.folded());
         }
     }
 
-    /// Writes the next two columns, of n-i+1 and n-i vertices (the second is empty after the last column).
-    #[inline(always)]
-    pub fn next_pair(&mut self, left: &mut [[i64; 3]], right: &mut [[i64; 3]]) {
-        let first = self.column();
-        self.step();
-        let second = self.column();
-        self.step();
-        let mut l: [[W; LANES]; 4] = std::array::from_fn(|m| {
-            std::array::from_fn(|lane| if lane < 3 { first[m][lane] } else { second[m][lane - 3] })
-        });
-        let fourth: [W; LANES] =
-            std::array::from_fn(|lane| self.row3[1][lane % 3].plus(self.row3[1][lane % 3]));
-        let (last, body) = match left.split_last_mut() {
-            Some(split) => split,
-            None => return,
-        };
-        for (left, right) in body.iter_mut().zip(right) {
-            let y: [i64; LANES] = std::array::from_fn(|lane| self.rounding.output(l[0][lane]));
-            [*left, *right] = [[y[0], y[1], y[2]], [y[3], y[4], y[5]]];
-            for lane in 0..LANES {
-                l[0][lane] = l[0][lane].plus(l[1][lane]);
-                l[1][lane] = l[1][lane].plus(l[2][lane]);
-                l[2][lane] = l[2][lane].plus(l[3][lane]);
-                l[3][lane] = l[3][lane].plus(fourth[lane]);
+    /// Writes the column at hand, as many vertices as `column` has, and goes to the next one.
+    #[inline]
+    pub fn next(&mut self, column: &mut [[i64; 3]]) {
+        let mut inner = self.axes.map(|axis| [axis.row0[0], axis.row1[0], axis.row2[0], axis.row3[0]]);
+        for vertices in column.chunks_mut(CHUNK) {
+            let samples = &mut self.samples[..vertices.len()];
+            for x in 0..3 {
+                let [mut l0, mut l1, mut l2, mut l3] = inner[x];
+                let fourth = self.axes[x].row3[1].times(2);
+                for sample in samples.iter_mut() {
+                    sample[x] = l0;
+                    (l0, l1, l2, l3) = (l0.plus(l1), l1.plus(l2), l2.plus(l3), l3.plus(fourth));
+                }
+                inner[x] = [l0, l1, l2, l3];
+            }
+            let rounding = self.rounding;
+            for (y, &n00) in vertices.as_flattened_mut().iter_mut().zip(samples.as_flattened()) {
+                *y = rounding.output(n00);
             }
         }
-        *last = std::array::from_fn(|x| self.rounding.output(l[0][x]));
+        self.axes.iter_mut().for_each(Outer::step);
     }
 
-    /// Writes all (n+1)(n+2)/2 vertices of the patch, column after column.
-    #[inline(always)]
-    pub fn all(&mut self, level: u32, mut vertices: &mut [[i64; 3]]) {
-        let n = 1usize << level;
-        for i in (0..=n).step_by(2) {
-            let (left, rest) = vertices.split_at_mut(n - i + 1);
-            let (right, rest) = rest.split_at_mut(n - i);
-            self.next_pair(left, right);
+    /// Writes all (n+1)(n+2)/2 vertices of a patch, column after column.
+    #[inline]
+    pub fn patch(&mut self, level: u32, points: &[[W; 3]; 12], mut vertices: &mut [[i64; 3]]) {
+        self.start(level, points);
+        for length in (1..=(1usize << level) + 1).rev() {
+            let (column, rest) = vertices.split_at_mut(length);
+            self.next(column);
             vertices = rest;
         }
     }
@@ -119,7 +107,7 @@ impl<'a, W: Word, R: Rounding<W>> Columns<'a, W, R> {
 
 /// Start-up, one axis: N00 N10 N20 N30 / N01 N11 N21 N31 / N02 N12 / N03 N13 at (0, 0), by shifts and adds.
 #[inline(always)]
-fn differences<W: Word>(level: u32, p: &[W; 12]) -> [[W; 4]; 4] {
+fn differences<W: Word>(level: u32, p: &[W; 12]) -> Outer<W> {
     let second = |a: usize, b: usize, c: usize| p[a].plus(p[c]).minus(p[b].plus(p[b]));
     let (r_m, r_0, r_0p, r_1) = (second(0, 1, 2), second(3, 4, 5), second(4, 5, 6), second(7, 8, 9));
     let (s_m, s_0, s_0p, s_1) = (second(3, 7, 10), second(0, 4, 8), second(4, 8, 11), second(1, 5, 9));
@@ -142,10 +130,10 @@ fn differences<W: Word>(level: u32, p: &[W; 12]) -> [[W; 4]; 4] {
     let n30 = |c3: W, g: W| at(c3, a).plus(g.times(3)).times(12);
     let n21 = |c21: W, g: W| at(c21, a).plus(g).times(12);
     let n11 = at(c11, b).plus(at(c21.plus(c12), a)).times(6).plus(g.plus(h).times(2));
-    [
-        [at(c00, d), n10(c10, r_0, c30, g), n20(r_0, c30, g), n30(c30, g)],
-        [n10(c01, s_0, c03, h), n11, n21(c21, g), g.times(12)],
-        [n20(s_0, c03, h), n21(c12, h), W::ZERO, W::ZERO],
-        [n30(c03, h), h.times(12), W::ZERO, W::ZERO],
-    ]
+    Outer {
+        row0: [at(c00, d), n10(c10, r_0, c30, g), n20(r_0, c30, g), n30(c30, g)],
+        row1: [n10(c01, s_0, c03, h), n11, n21(c21, g), g.times(12)],
+        row2: [n20(s_0, c03, h), n21(c12, h)],
+        row3: [n30(c03, h), h.times(12)],
+    }
 }

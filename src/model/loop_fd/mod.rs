@@ -120,7 +120,7 @@ impl LoopFd {
         Ok(beats)
     }
 
-    /// The same, one beat after the other; keeps three columns.
+    /// The same, one beat after the other; keeps two columns.
     ///
     /// # Errors
     /// As [`LoopFd::beats`].
@@ -130,12 +130,12 @@ impl LoopFd {
                 .help(format!("this core was made for levels up to {}", self.max_level)));
         }
         if self.word_bits() > i64::BITS {
-            beats_of(level, points, &ByDivision::new(self), sink);
+            beats_of(level, points, ByDivision::new(self), sink);
         } else {
-            let narrow = points.map(|p| p.map(|x| i64::narrow(x)));
+            let narrow = points.map(|p| p.map(i64::narrow));
             match ByMultiplication::new(self) {
-                Some(rounding) => beats_of(level, &narrow, &rounding, sink),
-                None => beats_of(level, &narrow, &ByDivision::new(self), sink),
+                Some(rounding) => beats_of(level, &narrow, rounding, sink),
+                None => beats_of(level, &narrow, ByDivision::new(self), sink),
             }
         }
         Ok(())
@@ -146,13 +146,16 @@ impl LoopFd {
 fn beats_of<W: Word, R: Rounding<W>>(
     level: u32,
     points: &[[W; 3]; 12],
-    rounding: &R,
+    rounding: R,
     mut sink: impl FnMut(Beat),
 ) {
     let n = 1usize << level;
-    let mut columns = Columns::new(level, points, rounding);
-    let [mut before, mut left, mut right] = std::array::from_fn(|_| vec![[0; 3]; n + 1]);
-    let mut strip = |i: usize, left: &[[i64; 3]], right: &[[i64; 3]]| {
+    let mut columns = Columns::new(rounding);
+    columns.start(level, points);
+    let (mut left, mut right) = (vec![[0; 3]; n + 1], vec![[0; 3]; n]);
+    columns.next(&mut left);
+    for i in 0..n {
+        columns.next(&mut right[..n - i]);
         for j in 0..=n - i {
             sink(Beat {
                 left: left[j],
@@ -162,15 +165,6 @@ fn beats_of<W: Word, R: Rounding<W>>(
                 patch_end: i + 1 == n && j == n - i,
             });
         }
-    };
-    for i in (0..=n).step_by(2) {
-        columns.next_pair(&mut left[..=n - i], &mut right[..n - i]);
-        if i > 0 {
-            strip(i - 1, &before, &left);
-        }
-        if i < n {
-            strip(i, &left, &right);
-        }
-        std::mem::swap(&mut before, &mut right);
+        std::mem::swap(&mut left, &mut right);
     }
 }

@@ -15,7 +15,7 @@ use super::LoopFd;
 use crate::surface::word::Word;
 
 /// Rounds samples held in words of type `W`.
-pub trait Rounding<W: Word> {
+pub trait Rounding<W: Word>: Copy {
     /// What is added to N00 once, at the start of a column.
     fn folded(&self) -> W;
     /// The output for N00 + `folded`.
