@@ -1,3 +1,12 @@
 //! The bit-exact reference of every core, in plain integers, written from the mathematics.
+//!
+//! ```text
+//!   packets of surface::packets --> loop_fd (one core)  --> beats, bit for bit those of the hardware
+//!   control mesh --> render (host and core in one go)   --> rounded positions, patch by patch
+//! ```
+//!
+//! Nothing here uses `hdl` or `cores`, and those use nothing from here, so that a mistake in one shows.
 
+pub mod loop_fd;
 pub mod loop_fd_clocks;
+pub mod render;

@@ -207,7 +207,7 @@ impl<A: Arithmetic, F: FnMut(&Patch<A::Point>)> Walker<'_, A, F> {
     }
 
     fn render_regular(&mut self, level: u32, m: &CMesh<A::Point>, at: Corners) {
-        self.patch.points = control_points(self.arithmetic, m);
+        control_points(self.arithmetic, m, &mut self.patch.points);
         self.counts.regular_packets += 1;
         self.deliver(PatchKind::Regular, level, at);
     }

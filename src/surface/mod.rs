@@ -1,4 +1,18 @@
 //! The mathematics of the surfaces, in exact numbers.
+//!
+//! ```text
+//!                  loop_masks, table (cosine)       the rules and the weights of irregular vertices
+//!                             |
+//!   control_mesh --> cmesh --> subdivide, regular (arithmetic: exact or f64) --> hierarchy --> packets
+//!        |                                                                                       |
+//!        |           basis: masks of all samples       forward, register_bounds: the engine      v
+//!        |                                                                         a core or its model
+//!        v                                                                                       |
+//!   fine_grid (names of the fine vertices) ------------------------------------> assembly <------+
+//!        |                                                                          |
+//!        +--> refinement --> limit_oracle: the true positions, by another route ----+--> error in units
+//!                            error_bound: what is proven about it
+//! ```
 
 pub mod arithmetic;
 pub mod assembly;
@@ -14,6 +28,7 @@ pub mod hierarchy;
 pub mod limit_oracle;
 pub mod loop_masks;
 pub mod packets;
+mod refinement;
 pub mod register_bounds;
 pub mod regular;
 pub mod subdivide;

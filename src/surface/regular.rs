@@ -17,32 +17,34 @@
 use crate::surface::arithmetic::Arithmetic;
 use crate::surface::cmesh::{CMesh, Corner};
 
-/// The twelve control points of a regular patch, numbered row by row. `m` must be regular.
-pub fn control_points<A: Arithmetic>(a: &A, m: &CMesh<A::Point>) -> [A::Point; 12] {
+/// Where the control points that are no corners lie: number, corner, entry of its completed ring.
+const PLACES: [(usize, usize, usize); 9] =
+    [(7, 0, 1), (3, 0, 2), (0, 0, 3), (1, 0, 4), (2, 1, 2), (6, 1, 3), (9, 1, 4), (11, 2, 2), (10, 2, 3)];
+
+/// Writes the twelve control points of a regular patch, numbered row by row. `m` must be regular.
+pub fn control_points<A: Arithmetic>(a: &A, m: &CMesh<A::Point>, points: &mut [A::Point; 12]) {
     debug_assert!(m.regular());
-    let [r0, r1, r2] = m.corner.each_ref().map(|c| completed_ring(a, c));
-    let [_, p7, p3, p0, p1, _] = r0;
-    let [_, _, p2, p6, p9, _] = r1;
-    let [_, _, p11, p10, _, _] = r2;
-    let [p4, p5, p8] = m.corner.each_ref().map(|c| c.centre.clone());
-    [p0, p1, p2, p3, p4, p5, p6, p7, p8, p9, p10, p11]
+    for (number, corner) in [4, 5, 8].into_iter().zip(&m.corner) {
+        points[number].clone_from(&corner.centre);
+    }
+    for (number, corner, entry) in PLACES {
+        points[number] = completed_ring(a, &m.corner[corner], entry);
+    }
 }
 
-/// The six neighbours of a regular corner, with two ghosts in the gap of a boundary.
-fn completed_ring<A: Arithmetic>(a: &A, corner: &Corner<A::Point>) -> [A::Point; 6] {
-    let ring = corner.ring();
-    let Some(h) = corner.h() else {
-        return std::array::from_fn(|j| ring[j].clone());
-    };
-    let v = &corner.centre;
-    let after_last = a.ghost(v, &ring[h - 1], &ring[(h + 2) % 4]);
-    let before_first = a.ghost(v, &ring[h], &ring[(h + 1) % 4]);
-    std::array::from_fn(|j| match j {
-        _ if j < h => ring[j].clone(),
-        _ if j == h => after_last.clone(),
-        _ if j == h + 1 => before_first.clone(),
-        _ => ring[j - 2].clone(),
-    })
+/// Entry `j` of the six neighbours of a regular corner; two ghosts fill the gap of a boundary, so that the
+/// ring is [.., c(h-1), ghost, ghost, c(h), ..].
+#[inline]
+fn completed_ring<A: Arithmetic>(a: &A, corner: &Corner<A::Point>, j: usize) -> A::Point {
+    let (v, ring) = (&corner.centre, corner.ring());
+    match corner.h() {
+        Some(h) if j >= h => match j - h {
+            0 => a.ghost(v, &ring[h - 1], &ring[(h + 2) % 4]),
+            1 => a.ghost(v, &ring[h], &ring[(h + 1) % 4]),
+            _ => ring[j - 2].clone(),
+        },
+        _ => ring[j].clone(),
+    }
 }
 
 #[cfg(test)]
@@ -65,7 +67,11 @@ mod tests {
     fn points(mesh: &ControlMesh, face: usize) -> Option<[[f64; 3]; 12]> {
         let mut patch = CMesh::default();
         patch.gather(mesh, face, |v| mesh.positions()[v as usize].map(|x| x as f64));
-        patch.regular().then(|| control_points(&Real, &patch))
+        patch.regular().then(|| {
+            let mut points = [[0.0; 3]; 12];
+            control_points(&Real, &patch, &mut points);
+            points
+        })
     }
 
     #[test]

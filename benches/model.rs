@@ -1,0 +1,57 @@
+//! Triangles a second of the reference model: one thread, level 6, coordinates of 24 bits (Q12.12), from the
+//! control mesh (positions and triangles, nothing prepared) to rounded positions of every patch.
+//!
+//! `cargo bench --bench model`; the `thrpt` line of each run counts triangles.
+
+#[path = "../tests/surface_meshes/mod.rs"]
+mod surface_meshes;
+
+use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+use std::hint::black_box;
+use subdiv_rtl::model::loop_fd::LoopFd;
+use subdiv_rtl::model::render::render;
+use subdiv_rtl::surface::control_mesh::ControlMesh;
+use subdiv_rtl::surface::fine_grid::FineGrid;
+use subdiv_rtl::surface::limit_oracle::LimitOracle;
+use subdiv_rtl::surface::table::Table;
+use surface_meshes::{random_closed, shaken, torus};
+
+const WIDTH: u32 = 24;
+const LEVEL: u32 = 6;
+
+fn meshes() -> [(&'static str, ControlMesh); 2] {
+    [
+        ("torus of 128 triangles", shaken(torus(8, 8), WIDTH, 1)),
+        ("blob of 130 triangles, valences 3 to 9", shaken(random_closed(67, 2), WIDTH, 2)),
+    ]
+}
+
+fn reference_model(c: &mut Criterion) {
+    let core = LoopFd::new(WIDTH, 0, LEVEL).expect("24 bits and level 6 are in range");
+    let table = Table::for_width(WIDTH).expect("24 bits are in range");
+    let mut group = c.benchmark_group("reference model, level 6");
+    for (name, mesh) in meshes() {
+        let triangles = FineGrid::new(&mesh, LEVEL).expect("level 6 can be numbered").triangle_count();
+        group.throughput(Throughput::Elements(triangles as u64));
+        let mut vertices = Vec::new();
+        group.bench_function(name, |b| {
+            b.iter(|| {
+                let (positions, triangles) = (mesh.positions().to_vec(), mesh.triangles().to_vec());
+                let mesh = ControlMesh::new(positions, triangles).expect("it was a mesh before");
+                let counts = render(black_box(&mesh), LEVEL, &core, &table, &mut vertices);
+                black_box((&vertices, counts.is_ok()));
+            })
+        });
+    }
+}
+
+fn oracle(c: &mut Criterion) {
+    let mut group = c.benchmark_group("limit oracle, level 6");
+    group.sample_size(10);
+    for (name, mesh) in meshes() {
+        group.bench_function(name, |b| b.iter(|| LimitOracle::new(black_box(&mesh), LEVEL).is_ok()));
+    }
+}
+
+criterion_group!(benches, reference_model, oracle);
+criterion_main!(benches);
