@@ -85,9 +85,16 @@ impl Port {
     pub fn beat_of(&self, numbers: &[i128]) -> Beat {
         let mut beat = self.beat();
         for (lane, &number) in self.lanes.iter().zip(numbers) {
-            for bit in 0..lane.width {
-                let one = (number >> bit.min(127)) & 1 == 1;
-                set_bit(&mut beat.data, lane.lsb + bit, one);
+            // Word by word: the 64-bit pieces of the number, each over at most two words of the beat.
+            for piece in 0..lane.width.div_ceil(64) {
+                let width = (lane.width - 64 * piece).min(64);
+                let value = (number >> (64 * piece).min(127)) as u64 & (u64::MAX >> (64 - width));
+                let at = lane.lsb + 64 * piece;
+                let (word, shift) = (at as usize / 64, at % 64);
+                beat.data[word] |= value << shift;
+                if shift + width > 64 {
+                    beat.data[word + 1] |= value >> (64 - shift);
+                }
             }
         }
         beat
@@ -96,11 +103,12 @@ impl Port {
     /// The signed number in a lane of at most 128 bits.
     pub fn number(&self, beat: &Beat, lane: usize) -> i128 {
         let Lane { lsb, width, .. } = self.lanes[lane];
-        let sign = bit(&beat.data, lsb + width - 1);
-        (0..128u32).fold(0, |sum, at| {
-            let one = if at < width { bit(&beat.data, lsb + at) } else { sign };
-            sum | (i128::from(one) << at)
-        })
+        let word = |at: u32| beat.data.get(at as usize).copied().map_or(0, u128::from);
+        let (first, shift) = (lsb / 64, lsb % 64);
+        let low = (word(first) | word(first + 1) << 64) >> shift;
+        let high = if shift == 0 { 0 } else { word(first + 2) << (128 - shift) };
+        // Up to the top, then back with the sign.
+        ((low | high) << (128 - width)) as i128 >> (128 - width)
     }
 
     /// Whether a bit of `tdata` is to be compared: its byte is kept.

@@ -21,6 +21,7 @@ mod dut;
 mod external;
 mod failure;
 mod icarus;
+pub mod loop_bench;
 mod outcome;
 mod process;
 mod settings;

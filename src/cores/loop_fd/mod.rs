@@ -171,3 +171,9 @@ pub const LEVEL_BITS: u32 = 4;
 pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
     top::build(parameters)
 }
+
+/// Clocks from the points at the start-up's input to the differences at its output.
+pub fn startup_depth(core: &Module) -> u32 {
+    let startup = core.instances.iter().find(|i| i.name == "startup");
+    startup.and_then(|i| Some(i.module.latency(i.module.outputs.first()?))).unwrap_or(0)
+}

@@ -1,0 +1,182 @@
+//! A mesh through a `loop-fd`: what goes in, what must come out, and the surface put together again.
+//!
+//! ```text
+//! control mesh ─► patches (host levels of the hierarchy) ─► packets ─► core ─► beats ─► fine mesh
+//!                                                  └──────► model ───────────► expected beats
+//! ```
+
+use std::rc::Rc;
+
+use super::beat::{Beat, Port};
+use super::core;
+use super::dut::{Dut, Latency, Stimulus};
+use crate::cores::loop_fd::{Parameters, startup_depth};
+use crate::error::Result;
+use crate::hdl::{Direction, Module, verilog};
+use crate::model::{loop_fd::LoopFd, loop_fd_clocks};
+use crate::surface::assembly::Assembly;
+use crate::surface::control_mesh::ControlMesh;
+use crate::surface::fine_grid::FineGrid;
+use crate::surface::hierarchy::{Counts, Patch};
+use crate::surface::packets;
+use crate::surface::table::Table;
+
+/// The stimulus of one mesh at one level, and the way back.
+pub struct LoopBench {
+    pub input: Vec<Beat>,
+    pub expected: Vec<Beat>,
+    pub counts: Counts,
+    /// The patches without their points, in the order of the packets.
+    patches: Vec<Patch<()>>,
+    /// The index of each patch's first output beat.
+    starts: Vec<u64>,
+    output: Port,
+}
+
+impl LoopBench {
+    /// # Errors
+    /// A level above the core's maximum, coordinates that do not fit.
+    pub fn new(
+        core: &Rc<Module>,
+        parameters: Parameters,
+        mesh: &ControlMesh,
+        level: u32,
+    ) -> Result<LoopBench> {
+        let [input, output] = ports(core);
+        let width = parameters.coordinates.width();
+        let model = LoopFd::new(width, extra_fraction(parameters), parameters.max_level)?;
+        let table = Table::for_width(width)?;
+        let mut bench = LoopBench {
+            input: vec![],
+            expected: vec![],
+            counts: Counts::default(),
+            patches: vec![],
+            starts: vec![],
+            output,
+        };
+        let mut failure = None;
+        bench.counts = packets::patches(mesh, level, parameters.max_level, &table, |patch| {
+            for (index, point) in patch.points.iter().enumerate() {
+                let mut beat = input.beat_of(point);
+                (beat.user, beat.last) = (patch.level.into(), index == 11);
+                bench.input.push(beat);
+            }
+            bench.starts.push(bench.expected.len() as u64);
+            bench.patches.push(Patch {
+                face: patch.face,
+                kind: patch.kind,
+                class: patch.class,
+                level: patch.level,
+                corners: patch.corners,
+                points: [(); 12],
+            });
+            let (expected, output) = (&mut bench.expected, &bench.output);
+            let modelled = model.for_each_beat(patch.level, &patch.points, |vertices| {
+                let [x, y, z] = vertices.left.map(i128::from);
+                let [u, v, w] = vertices.right.unwrap_or_default().map(i128::from);
+                let mut beat = output.beat_of(&[x, y, z, u, v, w]);
+                if vertices.right.is_none() {
+                    (3..6).for_each(|lane| output.drop_lane(&mut beat, lane));
+                }
+                beat.user = u64::from(vertices.patch_start) + 2 * u64::from(vertices.patch_end);
+                beat.last = vertices.strip_end;
+                expected.push(beat);
+            });
+            if let Err(error) = modelled {
+                failure.get_or_insert(error);
+            }
+        })?;
+        failure.map_or(Ok(bench), Err)
+    }
+
+    /// The levels of the packets, in order.
+    pub fn levels(&self) -> Vec<u32> {
+        self.patches.iter().map(|patch| patch.level).collect()
+    }
+
+    /// The clocks the core must take under the stalls of a stimulus.
+    pub fn clocks(&self, core: &Module, stimulus: &Stimulus) -> loop_fd_clocks::Clocks {
+        loop_fd_clocks::run(
+            &self.levels(),
+            depths(core),
+            &stimulus.offer_pattern(),
+            &stimulus.ready_pattern(),
+        )
+    }
+
+    /// An output beat in the user's terms.
+    pub fn locate(&self, beat: u64) -> String {
+        let index = self.starts.partition_point(|&start| start <= beat);
+        let Some(patch) = index.checked_sub(1).and_then(|i| self.patches.get(i)) else {
+            return format!("beat {beat}");
+        };
+        let (strip, row) = self.place(index - 1, beat);
+        format!(
+            "patch {} (triangle {}, level {}), strip {strip}, row {row}",
+            index - 1,
+            patch.face,
+            patch.level
+        )
+    }
+
+    /// Strip and row of a beat of a patch: strip i has 2^level - i + 1 beats.
+    fn place(&self, patch: usize, beat: u64) -> (u64, u64) {
+        let (steps, mut row) = (1u64 << self.patches[patch].level, beat - self.starts[patch]);
+        for strip in 0..steps {
+            let beats = steps - strip + 1;
+            if row < beats {
+                return (strip, row);
+            }
+            row -= beats;
+        }
+        (steps, row)
+    }
+
+    /// The fine mesh that the hardware drew.
+    pub fn assemble<'a>(
+        &self,
+        mesh: &'a ControlMesh,
+        level: u32,
+        received: &[(u64, Beat)],
+    ) -> Result<Assembly<'a>> {
+        let mut assembly = Assembly::new(FineGrid::new(mesh, level)?);
+        let mut beats = received.iter().map(|(_, beat)| beat);
+        for patch in &self.patches {
+            let steps = patch.steps() as usize;
+            for (strip, row) in (0..steps).flat_map(|strip| (0..=steps - strip).map(move |row| (strip, row)))
+            {
+                let Some(beat) = beats.next() else { return Ok(assembly) };
+                let vertex =
+                    |first: usize| [0, 1, 2].map(|axis| self.output.number(beat, first + axis) as i64);
+                assembly.put(patch, strip, row, vertex(0));
+                if strip + row < steps {
+                    assembly.put(patch, strip + 1, row, vertex(3));
+                }
+            }
+        }
+        Ok(assembly)
+    }
+}
+
+/// Fraction bits of the output beyond those of the coordinates.
+pub fn extra_fraction(parameters: Parameters) -> i32 {
+    parameters.output_fraction as i32 - parameters.coordinates.fraction as i32
+}
+
+fn ports(core: &Module) -> [Port; 2] {
+    [core::port(core, "s_axis", Direction::Input), core::port(core, "m_axis", Direction::Output)]
+}
+
+/// The depths that the core declares.
+pub fn depths(core: &Module) -> loop_fd_clocks::Depths {
+    let instance = |name: &str| core.instances.iter().find(|i| i.name == name);
+    let engine = instance("engine_x").and_then(|i| Some(i.module.latency(i.module.outputs.first()?)));
+    let fifo = instance("output_fifo").and_then(|i| i.module.memories.first()).map_or(1, |m| m.depth);
+    loop_fd_clocks::Depths { startup: startup_depth(core), rounder: engine.unwrap_or(0), fifo }
+}
+
+/// The core as a device under test, with the latency that its testbench asserts.
+pub fn device(core: &Rc<Module>, files: &[verilog::SourceFile]) -> Dut {
+    let clocks = loop_fd_clocks::run(&[0], depths(core), &[true], &[true]);
+    core::device(core, files, Some(Latency { beat: 11, clocks: clocks.latency }))
+}
