@@ -1,4 +1,4 @@
-// {{ bench.name }}: drives {{ bench.top }} with vectors and checks all that comes out.
+// Testbench {{ bench.name }}: drives {{ bench.top }} with vectors and checks all that comes out.
 //
 // Reads   input.hex      one beat a line: {{ bench.input.columns() }}
 //         expected.hex   one beat a line: {{ bench.output.columns() }}
@@ -65,16 +65,25 @@ module {{ bench.name }};
 {%- for signal in bench.input.signals %}
     reg {{ signal.range }}input_{{ signal.name }};
 {%- endfor %}
+{%- for part in bench.input.parts() %}
+    reg {{ part.range }}input_{{ part.name }};
+{%- endfor %}
 
     // The next beat to come out, and whether there is one.
     reg have_expected;
 {%- for signal in bench.output.signals %}
     reg {{ signal.range }}expected_{{ signal.name }};
 {%- endfor %}
+{%- for part in bench.output.parts() %}
+    reg {{ part.range }}expected_{{ part.name }};
+{%- endfor %}
 
     task read_input;
         begin
-            fields = $fscanf(input_file, "{{ bench.input.format() }}\n"{{ bench.input.arguments("input_") }});
+            fields = $fscanf(input_file, "{{ bench.input.format() }}"{{ bench.input.scanned("input_") }});
+{%- if bench.input.cut() %}
+            input_tdata = {{ bench.input.joined("input_") }};
+{%- endif %}
             have_input = fields == {{ bench.input.fields() }};
             if (fields > 0 && !have_input) fail_file;
         end
@@ -82,7 +91,10 @@ module {{ bench.name }};
 
     task read_expected;
         begin
-            fields = $fscanf(expected_file, "{{ bench.output.format() }}\n"{{ bench.output.arguments("expected_") }});
+            fields = $fscanf(expected_file, "{{ bench.output.format() }}"{{ bench.output.scanned("expected_") }});
+{%- if bench.output.cut() %}
+            expected_tdata = {{ bench.output.joined("expected_") }};
+{%- endif %}
             have_expected = fields == {{ bench.output.fields() }};
             if (fields > 0 && !have_expected) fail_file;
         end
@@ -113,7 +125,7 @@ module {{ bench.name }};
     reg [63:0] first_clock;  // of the first valid output
     reg started;
     reg [63:0] start_clock;  // of the acceptance of input beat {{ bench.latency_beat }}
-    integer latency;
+    reg signed [63:0] latency;
 
     reg [63:0] expected_clocks;
     reg check_clocks;
@@ -234,7 +246,7 @@ module {{ bench.name }};
     task conclude;
         begin
             if (first_seen && started) begin
-                latency = first_clock[31:0] - start_clock[31:0];
+                latency = $signed(first_clock) - $signed(start_clock);
 {%- if let Some(clocks) = bench.latency_clocks %}
                 if (!stalled && latency != {{ clocks }}) begin
                     $display("latency: expected={{ clocks }} measured=%0d clock=%0d", latency, first_clock);

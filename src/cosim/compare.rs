@@ -70,18 +70,19 @@ fn difference(port: &Port, expected: &Beat, got: &Beat) -> (String, Number, Numb
 
 /// Whether the beats from the first wrong one on fit when one is left out or put in.
 fn shift(port: &Port, expected: &[Beat], received: &[(u64, Beat)], at: usize) -> Option<Shift> {
-    // So many beats must fit before it is called a shift and no accident.
+    // Two beats must fit (three are looked at) before it is called a shift and no accident.
     const FIT: usize = 3;
     let fits = |from: usize, to: usize| {
-        let (received, expected) = (&received[from..], expected.get(to..).unwrap_or_default());
+        let received = received.get(from..).unwrap_or_default();
+        let expected = expected.get(to..).unwrap_or_default();
         let pairs = || expected.iter().zip(received).take(FIT);
-        pairs().count() > 0 && pairs().all(|(expected, (_, got))| same(port, expected, got))
+        pairs().count() > 1 && pairs().all(|(expected, (_, got))| same(port, expected, got))
     };
     if fits(at, at + 1) {
         return Some(Shift::Lost);
     }
     let again = at > 0 && same(port, &expected[at - 1], &received[at].1);
-    (again && at + 1 < received.len() && fits(at + 1, at)).then_some(Shift::Repeated)
+    (again && fits(at + 1, at)).then_some(Shift::Repeated)
 }
 
 impl Number {

@@ -38,11 +38,14 @@ pub struct Latency {
 impl Dut {
     /// Refuses what no testbench could be written for.
     pub fn check(&self) -> Result<()> {
-        let names = std::iter::once(&self.top).chain(self.files.iter().map(|(name, _)| name));
-        for name in names {
-            let plain = |c: char| c.is_ascii_alphanumeric() || "_.-".contains(c);
-            if name.is_empty() || name.starts_with(['.', '-']) || !name.chars().all(plain) {
-                return Err(Error::usage(format!("'{name}' is no plain file or module name")));
+        let word = |c: char| c.is_ascii_alphanumeric() || c == '_';
+        if !self.top.starts_with(|c: char| c.is_ascii_alphabetic()) || !self.top.chars().all(word) {
+            return Err(Error::usage(format!("'{}' is no name for a module", self.top)));
+        }
+        let plain = |c: char| word(c) || c == '.' || c == '-';
+        for (name, _) in &self.files {
+            if !name.starts_with(word) || !name.chars().all(plain) {
+                return Err(Error::usage(format!("'{name}' is no plain file name")));
             }
         }
         self.input.check("s_axis")?;
@@ -111,5 +114,35 @@ impl Stimulus {
     /// For each clock of the pattern, whether `m_axis_tready` is high.
     pub fn ready_pattern(&self) -> Vec<bool> {
         self.back_pressure.pattern(self.seed.wrapping_mul(2).wrapping_add(1))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn named(top: &str, file: &str) -> Result<()> {
+        let port = Port { data: 8, ..Port::default() };
+        let files = vec![(file.to_string(), String::new())];
+        Dut { top: top.into(), files, input: port.clone(), output: port, latency: None }.check()
+    }
+
+    #[test]
+    fn names_that_would_lead_elsewhere_are_refused() {
+        assert!(named("loop_fd", "loop_fd-2.v").is_ok());
+        for (top, file) in [("loop-fd", "a.v"), ("", "a.v"), ("a", "../a.v"), ("a", "-o"), ("a", "")] {
+            assert!(named(top, file).is_err(), "{top}, {file}");
+        }
+    }
+
+    #[test]
+    fn a_beat_of_another_shape_is_refused_with_its_index() {
+        let port = Port { data: 8, ..Port::default() };
+        let dut =
+            Dut { top: "a".into(), files: vec![], input: port.clone(), output: port.clone(), latency: None };
+        let mut stimulus = Stimulus::new(vec![port.beat(); 3], Vec::new());
+        assert!(stimulus.check(&dut).is_ok());
+        stimulus.input[2].data[0] = 0x100;
+        assert!(stimulus.check(&dut).unwrap_err().what.starts_with("input beat 2"));
     }
 }

@@ -10,6 +10,41 @@
 //! All of them stall on the same clocks, make the same checks (values, order, `tlast`, `tuser`, `tkeep`,
 //! stability under stall, unknown bits, latency, number of clocks, hanging) and say what is wrong in
 //! the same words.
+//!
+//! ```
+//! use subdiv_rtl::cosim::{Beat, Builtin, Clocked, Dut, Handshake, Port, Simulator, Stimulus};
+//!
+//! /// Passes every beat on in the same clock.
+//! struct Wire;
+//! impl Clocked for Wire {
+//!     fn reset(&mut self) {}
+//!     fn clock(&mut self, input: Option<&Beat>, output_ready: bool) -> Handshake {
+//!         Handshake { input_ready: output_ready, output: input.cloned() }
+//!     }
+//!     fn trace(&mut self, _: Option<&std::path::Path>, _: u64) -> subdiv_rtl::Result<()> {
+//!         Ok(())
+//!     }
+//! }
+//!
+//! let port = Port::of_lanes([("x", 16)]);
+//! let dut = Dut {
+//!     top: "wire_core".into(),
+//!     files: vec![], // the Verilog, for the external simulators
+//!     input: port.clone(),
+//!     output: port.clone(),
+//!     latency: None,
+//! };
+//! let stimulus = Stimulus {
+//!     back_pressure: "one-in-3".parse()?,
+//!     ..Stimulus::new(vec![port.beat_of(&[5]), port.beat_of(&[-6])], vec![port.beat_of(&[5]); 2])
+//! };
+//! let outcome = Builtin::new(|| Ok(Wire)).run(&dut, &stimulus)?;
+//! assert_eq!(
+//!     outcome.failures[0].describe(&|beat| format!("patch {beat}")),
+//!     "beat 1 (patch 1), x: expected 0x0005 (5), got 0xfffa (-6), clock 5"
+//! );
+//! # Ok::<(), subdiv_rtl::Error>(())
+//! ```
 
 mod beat;
 mod build_cache;

@@ -68,3 +68,29 @@ impl Outcome {
         self.failures.sort_by_key(|failure| (whole(failure), failure.clock()));
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_failure_is_an_error_of_exit_status_1_in_the_users_terms() {
+        let failure = |clock| Failure::Unknown { signal: "m_axis_tdata".into(), clock, beat: 9 };
+        let mut outcome = Outcome {
+            name: "icarus".into(),
+            mismatches: 4,
+            failures: vec![Failure::Clocks { expected: 1, measured: 2 }, failure(30), failure(20)],
+            vcd: Some("wave.vcd".into()),
+            ..Outcome::default()
+        };
+        outcome.sort_failures();
+        let error = outcome.error(&|beat| format!("patch {}", beat / 3)).unwrap();
+        assert_eq!(error.exit_status(), 1);
+        assert_eq!(
+            error.what,
+            "icarus: beat 9 (patch 3): m_axis_tdata has unknown bits (x) at clock 20 \
+             (4 beats are wrong or missing)"
+        );
+        assert_eq!(error.help.as_deref(), Some("look at the waveform: gtkwave wave.vcd"));
+    }
+}

@@ -6,7 +6,7 @@
 //! ```
 
 use super::workarounds::FIELD_BITS;
-use super::{Dut, Port, vectors};
+use super::{Dut, Port, vectors, workarounds};
 use crate::Result;
 use askama::Template;
 
@@ -34,17 +34,25 @@ pub(super) fn harness(dut: &Dut) -> Result<String> {
 
 /// The templates only read fields and write into a string, which cannot fail.
 fn render(template: &impl Template) -> String {
-    template.render().expect("writing into a string does not fail")
+    // askama leaves out the newline at the end of a template.
+    template.render().expect("writing into a string does not fail") + "\n"
 }
 
 /// One signal of a stream beside its handshake.
 struct Signal {
-    name: &'static str,
+    name: String,
     width: u32,
     /// `[7:0] ` before the name in a declaration; empty for `tlast`.
     range: String,
     /// Where it starts within a beat of the harness, in 32-bit words.
     word: u32,
+}
+
+impl Signal {
+    fn new(name: String, width: u32, word: u32) -> Self {
+        let range = if name == "tlast" { String::new() } else { format!("[{}:0] ", width - 1) };
+        Signal { name, width, range, word }
+    }
 }
 
 /// One stream as the templates want it; the signals stand in the order of the vector files.
@@ -69,8 +77,7 @@ impl Stream {
         let mut words = 0;
         let mut signals = Vec::new();
         for (name, width) in wanted.into_iter().filter(|&(_, width)| width > 0) {
-            let range = if name == "tlast" { String::new() } else { format!("[{}:0] ", width - 1) };
-            signals.push(Signal { name, width, range, word: words });
+            signals.push(Signal::new(name.into(), width, words));
             words += width.div_ceil(32);
         }
         let data_fields = vectors::data_fields(port).collect();
@@ -85,20 +92,38 @@ impl Stream {
     fn format(&self) -> String {
         vec!["%h"; self.fields()].join(" ")
     }
-    /// `, x_tlast, x_tuser, x_tdata[...]`: what belongs to [`Stream::format`].
+    /// `, x_tlast, x_tuser, x_tdata`: what belongs to [`Stream::format`] when writing.
     fn arguments(&self, prefix: &str) -> String {
-        let whole = self.data_fields.len() == 1;
-        let sides = self.signals.iter().filter(|signal| whole || signal.name != "tdata");
-        let parts = self.data_fields.iter().filter(|_| !whole);
-        sides
-            .map(|signal| format!(", {prefix}{}", signal.name))
-            .chain(parts.map(|(lsb, width)| format!(", {prefix}tdata[{lsb} +: {width}]")))
-            .collect()
+        self.list(prefix, |&(lsb, width)| format!("tdata[{lsb} +: {width}]"))
+    }
+    /// The same when reading, where a cut `tdata` goes into registers of its own.
+    fn scanned(&self, prefix: &str) -> String {
+        self.list(prefix, |&(lsb, _)| workarounds::scanned_part(lsb))
+    }
+    fn list(&self, prefix: &str, part: impl Fn(&(u32, u32)) -> String) -> String {
+        let names = self.signals.iter().map(|signal| signal.name.as_str());
+        let names = names.filter(|&name| name != "tdata" || !self.cut()).map(String::from);
+        let parts = self.data_fields.iter().filter(|_| self.cut()).map(part);
+        names.chain(parts).map(|name| format!(", {prefix}{name}")).collect()
+    }
+    /// Whether `tdata` is cut into several fields.
+    fn cut(&self) -> bool {
+        self.data_fields.len() > 1
+    }
+    /// The registers for the fields of a cut `tdata`.
+    fn parts(&self) -> Vec<Signal> {
+        let cut = self.data_fields.iter().filter(|_| self.cut());
+        cut.map(|&(lsb, width)| Signal::new(workarounds::scanned_part(lsb), width, 0)).collect()
+    }
+    /// `{x_tdata_4096, x_tdata_0}`: a cut `tdata` from its registers.
+    fn joined(&self, prefix: &str) -> String {
+        let parts: Vec<_> = self.parts().iter().map(|part| format!("{prefix}{}", part.name)).collect();
+        format!("{{{}}}", parts.join(", "))
     }
     /// The columns of the vector file, for its reader.
     fn columns(&self) -> String {
-        let names: Vec<_> = self.signals.iter().map(|signal| signal.name).collect();
-        let cut = if self.data_fields.len() > 1 { " (in parts, highest first)" } else { "" };
+        let names: Vec<_> = self.signals.iter().map(|signal| signal.name.as_str()).collect();
+        let cut = if self.cut() { " (in parts, highest first)" } else { "" };
         names.join(" ") + cut
     }
     /// Room for a received line: 16 digits of the clock, all digits, all spaces.

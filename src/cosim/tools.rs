@@ -20,7 +20,7 @@ pub struct Version(String);
 pub struct ToolStatus {
     pub name: &'static str,
     pub purpose: &'static str,
-    /// `None`: not installed.
+    /// `None`: not installed; "unknown" where it does not tell.
     pub found: Option<Version>,
     /// The oldest version that works; `None`: any.
     pub minimum: Option<Version>,
@@ -122,7 +122,8 @@ pub fn tools(settings: &Settings) -> Vec<ToolStatus> {
     let status = |tool: &Tool| ToolStatus {
         name: tool.name,
         purpose: tool.purpose,
-        found: find(tool.name, settings).and_then(|_| version(tool, settings).ok()),
+        found: find(tool.name, settings)
+            .map(|_| version(tool, settings).unwrap_or_else(|_| Version("unknown".into()))),
         minimum: tool.minimum.map(|text| Version(text.into())),
         required: tool.required,
         install: install_line(tool.name),

@@ -15,6 +15,19 @@ use std::time::Duration;
 /// ```
 pub(super) const FIELD_BITS: u32 = 4096;
 
+/// The register that `$fscanf` fills with the bits of `tdata` from `lsb` on, when it is cut.
+///
+/// Verilator 5.006 hands `$fscanf` the address of a copy when an argument is a part of a register: what
+/// was read is lost, or the C++ does not compile. A whole register is right.
+///
+/// ```verilog
+/// reg [127:0] pair;
+/// initial if ($fscanf(file, "%h %h", pair[127:64], pair[63:0]) == 2) $display("%h", pair);
+/// ```
+pub(super) fn scanned_part(lsb: u32) -> String {
+    format!("tdata_{lsb}")
+}
+
 /// A number for `$value$plusargs`, always in hexadecimal.
 ///
 /// Verilator 5.006 reads `%d` wrongly into registers whose width is not that of a C integer; `%h` is

@@ -146,9 +146,9 @@ impl Clocked for AddOne {
         let b_free = self.b.beat.is_none() || (transfer && !again);
         let full = self.a.beat.is_some();
         let a_go = b_free && !(self.is(Fault::Late) && full && !self.delayed);
-        let input_ready = (!full || a_go)
-            && !(self.is(Fault::LosesClocks) && self.phase == 5)
-            && !(self.is(Fault::Hangs) && self.taken == 7);
+        let refused =
+            (self.is(Fault::LosesClocks) && self.phase == 5) || (self.is(Fault::Hangs) && self.taken == 7);
+        let input_ready = (!full || a_go) && !refused;
         let accepted = input.filter(|_| input_ready);
 
         let drops = self.is(Fault::Drops) && self.taken == 5;
