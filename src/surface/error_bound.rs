@@ -95,6 +95,20 @@ mod tests {
     }
 
     #[test]
+    fn a_coarse_table_dominates_as_its_factor_says() {
+        let accuracy = Accuracy {
+            width: 30,
+            extra_fraction: 0,
+            level: 10,
+            table_bits: 12,
+            largest_irregular_valence: Some(9),
+        };
+        let ratio = error_bound_lsb(&accuracy) / (table_error_factor(9) * 18f64.exp2());
+        // ten levels leave out 4 percent of the series
+        assert!((0.95..1.0).contains(&ratio), "{ratio}");
+    }
+
+    #[test]
     fn a_regular_mesh_is_correctly_rounded() {
         let accuracy = Accuracy {
             width: 24,
