@@ -69,3 +69,37 @@ impl<'a> Assembly<'a> {
         self.positions.iter().copied().collect()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::surface::control_mesh::ControlMesh;
+    use crate::surface::hierarchy::{PatchKind, RootClass};
+
+    #[test]
+    fn a_difference_in_one_axis_is_a_crack() {
+        let mesh = ControlMesh::new(vec![[0; 3]; 3], vec![[0, 1, 2]]).unwrap();
+        let mut assembly = Assembly::new(FineGrid::new(&mesh, 0).unwrap());
+        let patch = Patch {
+            face: 0,
+            kind: PatchKind::Regular,
+            class: RootClass::Regular,
+            level: 0,
+            corners: [[0, 0], [1, 0], [0, 1]],
+            points: [[0; 3]; 12],
+        };
+        assembly.put(&patch, 0, 0, [1, 2, 3]);
+        assembly.put(&patch, 0, 0, [1, 2, 3]);
+        assert_eq!((assembly.cracks(), assembly.missing(), assembly.distinct_vertices()), (0, 2, 1));
+        for axis in 0..3 {
+            let mut moved = [1, 2, 3];
+            moved[axis] += 1;
+            assembly.put(&patch, 0, 0, moved);
+        }
+        assert_eq!((assembly.cracks(), assembly.distinct_vertices()), (1, 4));
+        assembly.put(&patch, 1, 0, [0; 3]);
+        assert_eq!(assembly.positions(), None);
+        assembly.put(&patch, 0, 1, [5; 3]);
+        assert_eq!(assembly.positions(), Some(vec![[1, 2, 3], [0; 3], [5; 3]]));
+    }
+}

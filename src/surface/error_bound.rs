@@ -12,8 +12,8 @@
 //!
 //! All other rules are convex, so an error never grows on its way; it can only be added to. q_n, the
 //! contraction of the ring, and with it every term grow with the valence n, so the largest interior valence
-//! bounds the mesh. Without the roundings this is K_n 2^-b D_0, K_n = (n/2) (1/(1-q_n) + 1); the roundings
-//! of V' add at most (1/2)(1/16 + 1/256 + ...) = 1/30.
+//! bounds the mesh. Without the roundings this is below K_n 2^-b D_0, K_n = (n/2) (1/(1-q_n) + 1); the
+//! roundings of V' add at most (1/2)(1/16 + 1/256 + ...) = 1/30.
 
 use crate::surface::loop_masks::ring_contraction;
 
@@ -92,6 +92,22 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn a_coarse_table_dominates_as_its_series_says() {
+        let accuracy = Accuracy {
+            width: 30,
+            extra_fraction: 0,
+            level: 10,
+            table_bits: 12,
+            largest_irregular_valence: Some(9),
+        };
+        // (n/2) 2^-b D_0 (1 + q + ... + q^9, then q^10 at the limit), below K_n 2^-b D_0
+        let q = ring_contraction(9);
+        let factor = 4.5 * ((1.0 - q.powi(10)) / (1.0 - q) + q.powi(10));
+        let ratio = error_bound_lsb(&accuracy) / (factor * 18f64.exp2());
+        assert!((1.0..1.01).contains(&ratio) && factor < table_error_factor(9), "{ratio}");
     }
 
     #[test]
