@@ -4,10 +4,12 @@ pub mod cli;
 pub mod cores;
 pub mod cosim;
 pub mod error;
+pub mod files;
 pub mod fixed;
 pub mod hdl;
 pub mod mesh;
 pub mod model;
+pub mod package;
 pub mod report;
 pub mod surface;
 

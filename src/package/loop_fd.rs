@@ -1,0 +1,172 @@
+//! The package of a `loop-fd`.
+
+use std::path::PathBuf;
+use std::rc::Rc;
+
+use serde_json::{Value, json};
+
+use super::manifest::{self, Manifest};
+use super::{FileList, FuseSoc, Package, Vector, print};
+use crate::cores::loop_fd::proof::{Proof, prove};
+use crate::cores::loop_fd::{Parameters, RegisterForm, build};
+use crate::cosim::loop_bench::{self, LoopBench};
+use crate::cosim::{testbench, testbench_name, write_beats};
+use crate::error::{Error, Kind, Result};
+use crate::hdl::{Counts, Module, verilog};
+use crate::model::loop_fd_clocks;
+use crate::surface::control_mesh::ControlMesh;
+
+/// The command that generates the core with these parameters.
+pub fn command(parameters: Parameters) -> String {
+    format!(
+        "subdiv-rtl generate loop-fd --coordinates {} --output-fraction {} --max-level {} --registers {}",
+        parameters.coordinates, parameters.output_fraction, parameters.max_level, parameters.registers
+    )
+}
+
+/// The core and its files in memory; with `prove_it`, only if the proof holds.
+///
+/// # Errors
+/// A core that cannot be built; a refuted proof, which is a [`Kind::Mismatch`].
+pub fn package(parameters: Parameters, prove_it: bool) -> Result<Package> {
+    let core = build(parameters)?;
+    let proof = if prove_it { Some(prove(&core, parameters)?) } else { None };
+    let command = command(parameters);
+    let sources = verilog::print(&core, &command)?;
+    let dut = loop_bench::device(&core, &sources);
+    let bench = sample(&core, parameters)?;
+
+    let mut files: Vec<(PathBuf, Vec<u8>)> =
+        sources.iter().map(|f| (PathBuf::from("rtl").join(&f.name), f.text.clone().into_bytes())).collect();
+    let names: Vec<String> = sources.iter().map(|f| format!("rtl/{}", f.name)).collect();
+    let (bench_name, top) = (testbench_name(&dut), core.name.clone());
+    let bench_file = format!("testbench/{bench_name}.v");
+    files.push((PathBuf::from(&bench_file), testbench(&dut)?.into_bytes()));
+    files.push(("testbench/input.hex".into(), write_beats(&dut.input, &bench.input)));
+    files.push(("testbench/expected.hex".into(), write_beats(&dut.output, &bench.expected)));
+    let version = env!("CARGO_PKG_VERSION");
+    let vector = |path, name| Vector { path, name };
+    let fusesoc = FuseSoc {
+        top: &top,
+        purpose: "Forward-difference engine for Loop subdivision surfaces",
+        version,
+        command: &command,
+        sources: &names,
+        testbench: &bench_file,
+        bench: &bench_name,
+        vectors: vec![
+            vector("testbench/input.hex", "input.hex"),
+            vector("testbench/expected.hex", "expected.hex"),
+        ],
+    };
+    files.push((format!("{top}.core").into(), print(&fusesoc)?));
+    let list = FileList { top: &top, version, command: &command, sources: &names };
+    files.push((format!("{top}.f").into(), print(&list)?));
+
+    let hash = |(path, bytes): &(PathBuf, Vec<u8>)| {
+        (path.to_string_lossy().replace('\\', "/"), blake3::hash(bytes).to_hex().to_string())
+    };
+    let manifest = Manifest {
+        schema: "subdiv-rtl/manifest/1",
+        core: "loop-fd",
+        top: top.clone(),
+        generator: format!("subdiv-rtl {version}"),
+        command: command.clone(),
+        parameters: parameters_json(parameters),
+        ports: manifest::ports(&core),
+        streams: streams(parameters),
+        latency: latency(&core),
+        initiation_interval: initiation_interval(&core, parameters),
+        counts: Counts::of(&core),
+        proofs: proofs(proof.as_ref()),
+        names: manifest::names(&core),
+        hashes: files.iter().map(hash).collect(),
+    };
+    let json = serde_json::to_string_pretty(&manifest)
+        .map_err(|e| Error::new(Kind::ToolFailed, format!("the manifest cannot be written: {e}")))?;
+    files.push(("manifest.json".into(), format!("{json}\n").into_bytes()));
+    Ok(Package { top, files })
+}
+
+/// Vectors that come with the testbench: an octahedron, whose patches are of every kind.
+fn sample(core: &Rc<Module>, parameters: Parameters) -> Result<LoopBench> {
+    let c = parameters.coordinates.max() / 2;
+    let positions = vec![[c, 0, 0], [0, c, 0], [0, 0, c], [-c, 0, 0], [0, -c, 0], [0, 0, -c]];
+    let triangles =
+        vec![[0, 1, 2], [1, 3, 2], [3, 4, 2], [4, 0, 2], [1, 0, 5], [3, 1, 5], [4, 3, 5], [0, 4, 5]];
+    let mesh = ControlMesh::new(positions, triangles)?;
+    LoopBench::new(core, parameters, &mesh, parameters.max_level.min(3))
+}
+
+fn parameters_json(parameters: Parameters) -> Value {
+    json!({
+        "coordinates": parameters.coordinates.to_string(),
+        "output_fraction": parameters.output_fraction,
+        "max_level": parameters.max_level,
+        "registers": parameters.registers.count(),
+        "register_forms": RegisterForm::ALL.map(RegisterForm::count),
+    })
+}
+
+fn streams(parameters: Parameters) -> Value {
+    let (max, f) = (parameters.max_level, parameters.coordinates.fraction);
+    json!({
+        "protocol": "AXI4-Stream",
+        "s_axis": {
+            "packet": "12 beats: the control points (0,-1) (1,-1) (2,-1) (-1,0) (0,0) (1,0) (2,0) (-1,1) (0,1) (1,1) (-1,2) (0,2)",
+            "tuser": format!("the level rho of the patch, 0 to {max}"),
+            "tlast": "on the twelfth beat; packets of another length or level are dropped whole",
+            "fraction_bits": format!("{f} + 4 * ({max} - rho)"),
+        },
+        "m_axis": {
+            "beats": "for strip i the vertices p(i,j) and p(i+1,j), j = 0 .. 2^rho-i-1, then p(i,2^rho-i) alone",
+            "tkeep": "low for the right vertex of the last beat of a strip",
+            "tuser": "bit 0: first beat of a patch; bit 1: last beat of a patch",
+            "tlast": "last beat of a strip",
+            "fraction_bits": parameters.output_fraction,
+        },
+    })
+}
+
+fn latency(core: &Rc<Module>) -> Value {
+    let depths = loop_bench::depths(core);
+    let first = loop_fd_clocks::run(&[0], depths, &[true], &[true]);
+    json!({
+        "first_vertex_after_last_point": first.latency,
+        "startup": depths.startup,
+        "rounding": depths.rounder,
+    })
+}
+
+fn initiation_interval(core: &Rc<Module>, parameters: Parameters) -> Value {
+    let depths = loop_bench::depths(core);
+    let clocks = |level: u32, patches: usize| {
+        loop_fd_clocks::run(&vec![level; patches], depths, &[true], &[true]).total
+    };
+    let levels: Vec<Value> = (0..=parameters.max_level.min(6))
+        .map(|level| {
+            json!({
+                "level": level,
+                "clocks": (clocks(level, 6) - clocks(level, 4)) / 2,
+                "beats": loop_fd_clocks::beats(level),
+            })
+        })
+        .collect();
+    json!({ "clocks_per_beat": 1, "patches": levels })
+}
+
+fn proofs(proof: Option<&Proof>) -> Value {
+    match proof {
+        Some(proof) => json!({
+            "linear_forms": {
+                "statement": "for all inputs, every output coordinate of patches of every level is its exact mask, correctly rounded, and every claimed range holds",
+                "result": "proved",
+                "patches": proof.patches,
+                "coordinates": proof.coordinates,
+                "clocks": proof.clocks,
+                "claims": proof.claims,
+            },
+        }),
+        None => json!({ "linear_forms": { "result": "not run" } }),
+    }
+}
