@@ -24,8 +24,8 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
     let has_room = m.input("has_room", Word::bit());
 
     let steps = Word::range(0, 1 << parameters.max_level);
-    let starting = m.register_reset("starting", Word::bit(), 0);
-    let running = m.register_reset("running", Word::bit(), 0);
+    let mut phase = m.state_machine("phase", &["idle", "starting", "running"]);
+    let [idle, starting, running] = ["idle", "starting", "running"].map(|state| phase.is(state));
     // Pairs of the current strip, and how many of them are still to come.
     let length = m.register_reset("length", steps, 0);
     let pairs_left = m.register_reset("pairs_left", steps, 0);
@@ -36,16 +36,16 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
     let last_strip = m.wire("last_strip", m.compare(Relation::LessOrEqual, &length, &m.constant(1, steps)));
     let patch_end = m.wire("patch_end", &strip_end & &last_strip);
     let finishing = m.wire("finishing", &valid & &patch_end);
-    let idle = !(&running | &starting);
     let load = m.wire("load", &waiting & &(&idle | &finishing));
     let step = m.wire("step", &valid & !&strip_end);
     let next_strip = m.all(&[&valid, &strip_end, &!&last_strip]);
     let strip = m.wire("strip", &starting | &next_strip);
 
-    m.on(&load, &starting, m.bit(true));
-    m.on(&starting, &starting, m.bit(false));
-    m.on(&starting, &running, m.bit(true));
-    m.on(&finishing, &running, m.bit(false));
+    phase.go("idle", &load, "starting");
+    phase.go("starting", &m.bit(true), "running");
+    phase.go("running", &load, "starting");
+    phase.go("running", &finishing, "idle");
+    phase.finish();
 
     // 2^level: one bit for each level.
     let decoded: Vec<Signal> = (0..=parameters.max_level).rev().map(|l| m.is(&level, l.into())).collect();

@@ -5,7 +5,7 @@ use std::rc::Rc;
 use super::{AXES, LEVEL_BITS, Parameters, control, engine, loader, startup};
 use crate::cores::stream_fifo;
 use crate::error::Result;
-use crate::hdl::{Builder, Module, Signal, Word};
+use crate::hdl::{Builder, Module, Signal, StreamBeat, Word};
 
 pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
     let m = Builder::new("loop_fd");
@@ -17,11 +17,8 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
     m.parameter("registers", parameters.registers);
 
     let axes = AXES.map(|axis| (axis, parameters.difference()));
-    let points = m.input_bus("s_axis_tdata", parameters.input_lane(), &axes);
-    let level = m.input("s_axis_tuser", Word::unsigned(LEVEL_BITS));
-    let last = m.input("s_axis_tlast", Word::bit());
-    let valid = m.input("s_axis_tvalid", Word::bit());
-    let ready = m.input("m_axis_tready", Word::bit());
+    let points = m.stream_input("s_axis", parameters.input_lane(), &axes, LEVEL_BITS);
+    let ready = m.stream_ready("m_axis");
 
     // One patch may wait in the engines while another runs. `reserved` from the moment it is handed over
     // until it is loaded; `waiting` once it has arrived whole.
@@ -31,12 +28,12 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
         "loader",
         &loader::build(parameters)?,
         &[
-            ("valid", &valid),
-            ("last", &last),
-            ("level_in", &level),
-            ("point_x", &points[0]),
-            ("point_y", &points[1]),
-            ("point_z", &points[2]),
+            ("valid", &points.valid),
+            ("last", &points.last),
+            ("level_in", &points.user),
+            ("point_x", &points.lanes[0]),
+            ("point_y", &points.lanes[1]),
+            ("point_z", &points.lanes[2]),
             ("slot_free", &!&reserved),
         ],
     );
@@ -123,16 +120,19 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
     m.output("s_axis_tready", &loader.out("ready"));
     let out: Vec<Signal> = lanes.iter().map(|(name, _)| fifo.out(&format!("out_{name}"))).collect();
     let vertices: Vec<(&str, &Signal)> = lanes[..6].iter().map(|(name, _)| name.as_str()).zip(&out).collect();
-    m.output_bus("m_axis_tdata", parameters.output_lane(), &vertices);
     let [pair, end_of_strip, start, end] = [&out[6], &out[7], &out[8], &out[9]];
     // One bit for each byte: the left vertex is always there, the right one in pairs.
     let bytes = (3 * parameters.output_lane() / 8) as usize;
     let always = m.bit(true);
     let keep: Vec<&Signal> =
         std::iter::repeat_n(pair, bytes).chain(std::iter::repeat_n(&always, bytes)).collect();
-    m.output("m_axis_tkeep", &m.concat(&keep));
-    m.output("m_axis_tuser", &m.concat(&[end, start]));
-    m.output("m_axis_tlast", end_of_strip);
-    m.output("m_axis_tvalid", &fifo.out("valid"));
+    let beat = StreamBeat {
+        lanes: &vertices,
+        keep: &m.concat(&keep),
+        user: &m.concat(&[end, start]),
+        last: end_of_strip,
+        valid: &fifo.out("valid"),
+    };
+    m.stream_output("m_axis", parameters.output_lane(), beat);
     m.finish()
 }
