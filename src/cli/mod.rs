@@ -1,1 +1,118 @@
 //! The command line: one file per subcommand.
+//!
+//! ```text
+//! arguments ─► Args ─► Settings (checked, merged with the configuration) ─► the subcommand's work
+//!                                                                             │
+//!               exit status ◄─ failure (standard error) ◄─ Error ◄────────────┤
+//!                                       result (standard output) ◄────────────┘
+//! ```
+//!
+//! Results go to standard output, everything else to standard error; progress only to a terminal. The exit
+//! status is 0 when all is well, else the kind of the error (see [`crate::Kind`]).
+
+pub mod completions;
+pub mod config;
+mod failure;
+pub mod generate;
+pub mod output;
+pub mod progress;
+pub mod simulate;
+pub mod values;
+
+use crate::error::{Kind, Result};
+use clap::{
+    Parser, Subcommand,
+    builder::styling::{AnsiColor, Effects, Styles},
+    error::ErrorKind,
+};
+use output::Format;
+use std::process::ExitCode;
+
+const HEADING: anstyle::Style = AnsiColor::Green.on_default().effects(Effects::BOLD);
+const NAME: anstyle::Style = AnsiColor::Cyan.on_default().effects(Effects::BOLD);
+
+/// The colours of the help, as cargo has them.
+const STYLES: Styles = Styles::styled()
+    .header(HEADING)
+    .usage(HEADING)
+    .literal(NAME)
+    .placeholder(AnsiColor::Cyan.on_default())
+    .error(AnsiColor::Red.on_default().effects(Effects::BOLD))
+    .valid(NAME)
+    .invalid(AnsiColor::Yellow.on_default().effects(Effects::BOLD));
+
+const EXIT_STATUS: &str = "\
+Exit status:
+  0  all is well
+  1  hardware and reference disagree
+  2  the command line or the configuration asks for something that does not exist
+  3  a mesh, a number or a file cannot be used
+  4  an external tool is not installed
+  5  an external tool failed";
+
+/// From a mesh to verified hardware for its subdivision surface.
+#[derive(Debug, Parser)]
+#[command(name = "subdiv-rtl", version, styles = STYLES, after_help = EXIT_STATUS)]
+#[command(max_term_width = 100, propagate_version = true, disable_help_subcommand = true)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+
+    /// No progress on the terminal
+    #[arg(short, long, global = true)]
+    quiet: bool,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    Completions(completions::Args),
+}
+
+impl Command {
+    /// How the result is written, and with it an error.
+    fn format(&self) -> Format {
+        match self {
+            Command::Completions(_) => Format::Text,
+        }
+    }
+
+    fn run(&self) -> Result<()> {
+        match self {
+            Command::Completions(args) => completions::run(args),
+        }
+    }
+}
+
+/// Runs the program on the arguments of this process.
+pub fn main() -> ExitCode {
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(message) => return explain(&message),
+    };
+    progress::set_quiet(cli.quiet);
+    match cli.command.run() {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => failure::report(&error, cli.command.format()),
+    }
+}
+
+/// Prints what clap has to say: help and version to standard output, mistakes to standard error. Nobody is left
+/// to be told when that fails.
+fn explain(message: &clap::Error) -> ExitCode {
+    let _ = message.print();
+    match message.kind() {
+        ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => ExitCode::SUCCESS,
+        _ => ExitCode::from(Kind::Usage as u8),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_command_line_is_consistent() {
+        Cli::command().debug_assert();
+    }
+}

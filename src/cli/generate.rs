@@ -1,0 +1,221 @@
+//! `generate CORE`: Verilog with everything that belongs to it.
+//!
+//! The arguments and the configuration file become [`Settings`]; what is not said has a default.
+
+use super::{
+    config::Config,
+    values::{FINEST_LEVEL, Registers, USUAL_MAX_LEVEL},
+};
+use crate::{error::Result, fixed::Format};
+use std::path::PathBuf;
+
+/// Write a core: Verilog, testbench, FuseSoC core file, file list and manifest
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    #[command(subcommand)]
+    pub core: Core,
+}
+
+#[derive(Debug, clap::Subcommand)]
+pub enum Core {
+    LoopFd(LoopFd),
+}
+
+/// The forward-difference engine for regular patches of Loop surfaces
+///
+/// In come the 12 control points of a patch and its level, out come the vertices of its triangle strips, two each
+/// clock, exact up to one final rounding. Before anything is written the core is proved: it is run with exact
+/// linear forms in place of numbers, and what comes out must be the mask of the surface.
+#[derive(Debug, Default, clap::Args)]
+#[command(after_help = EXAMPLES)]
+pub struct LoopFd {
+    /// Format of the control points: i integer bits with the sign, f fraction bits [default: Q12.12]
+    #[arg(long, value_name = "Qi.f")]
+    pub coordinates: Option<Format>,
+
+    /// Fraction bits of the vertices [default: those of the coordinates]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..Format::WIDEST as i64))]
+    pub output_fraction: Option<u32>,
+
+    /// The finest level the core can be asked for at run time, 0 to 10 [default: 8]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=FINEST_LEVEL as i64))]
+    pub max_level: Option<u32>,
+
+    /// Registers of each coordinate [default: 20]
+    #[arg(long, value_name = "COUNT")]
+    pub registers: Option<Registers>,
+
+    /// Write without the proof; the manifest says so
+    #[arg(long, overrides_with = "proof")]
+    pub no_proof: bool,
+
+    /// Prove, where the configuration says otherwise
+    #[arg(long, hide_short_help = true, overrides_with = "no_proof")]
+    pub proof: bool,
+
+    /// Take defaults for these options from a TOML file, with the names of the options as keys
+    #[arg(long, value_name = "FILE.toml")]
+    pub config: Option<PathBuf>,
+
+    /// Write into a folder that holds other files too
+    #[arg(long)]
+    pub force: bool,
+
+    /// The folder to write to [default: loop-fd]
+    #[arg(short, long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  subdiv-rtl generate loop-fd
+  subdiv-rtl generate loop-fd --coordinates Q1.17 --max-level 5 -o rtl/small
+  subdiv-rtl generate loop-fd --config core.toml
+
+where core.toml has any of these lines:
+  coordinates = \"Q12.12\"
+  output-fraction = 12
+  max-level = 8
+  registers = 20
+  proof = true
+  output = \"rtl/loop-fd\"     # from the folder of the configuration";
+
+/// What to generate, complete and checked.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Settings {
+    pub coordinates: Format,
+    pub output_fraction: u32,
+    pub max_level: u32,
+    pub registers: Registers,
+    /// Whether to prove the core before it is written.
+    pub proof: bool,
+    /// Whether to write into a folder that holds other files.
+    pub force: bool,
+    pub folder: PathBuf,
+}
+
+impl LoopFd {
+    /// The command line beats the file, the file beats the default.
+    ///
+    /// # Errors
+    /// Those of the configuration file.
+    pub fn settings(&self) -> Result<Settings> {
+        const KEYS: [&str; 6] =
+            ["coordinates", "output-fraction", "max-level", "registers", "proof", "output"];
+        let file = self.config.as_ref().map(|file| Config::read(file, &KEYS)).transpose()?;
+        let file = file.as_ref();
+
+        let coordinates = or_file(self.coordinates, file, |file| file.text("coordinates"))?
+            .unwrap_or(Format { integer: 12, fraction: 12 });
+        let whole = |key: &'static str, limit: u32| {
+            let wanted = format!("a whole number from 0 to {limit}");
+            let take = move |number: i64| u32::try_from(number).ok().filter(|number| *number <= limit);
+            move |file: &Config| file.whole(key, &wanted, take)
+        };
+        let fraction = whole("output-fraction", Format::WIDEST - 1);
+        let registers = |file: &Config| file.whole("registers", "23, 22, 20 or 19", Registers::from_count);
+        let proof = (self.proof || self.no_proof).then_some(self.proof);
+        Ok(Settings {
+            coordinates,
+            output_fraction: or_file(self.output_fraction, file, fraction)?.unwrap_or(coordinates.fraction),
+            max_level: or_file(self.max_level, file, whole("max-level", FINEST_LEVEL))?
+                .unwrap_or(USUAL_MAX_LEVEL),
+            registers: or_file(self.registers, file, registers)?.unwrap_or_default(),
+            proof: or_file(proof, file, |file| file.truth("proof"))?.unwrap_or(true),
+            force: self.force,
+            folder: or_file(self.output.clone(), file, |file| file.path("output"))?
+                .unwrap_or(PathBuf::from("loop-fd")),
+        })
+    }
+}
+
+/// The value from the command line, else that of the file. The file's value is read in any case, so that its
+/// mistakes do not hide behind an option.
+fn or_file<T>(
+    said: Option<T>,
+    file: Option<&Config>,
+    read: impl FnOnce(&Config) -> Result<Option<T>>,
+) -> Result<Option<T>> {
+    let written = file.map(read).transpose()?.flatten();
+    Ok(said.or(written))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::{Args as _, FromArgMatches};
+    use std::fs;
+
+    fn command() -> clap::Command {
+        LoopFd::augment_args(clap::Command::new("loop-fd"))
+    }
+
+    fn parse(words: &str) -> Result<LoopFd, clap::Error> {
+        let words = ["loop-fd"].into_iter().chain(words.split_whitespace());
+        LoopFd::from_arg_matches(&command().try_get_matches_from(words)?)
+    }
+
+    #[test]
+    fn the_options_are_consistent() {
+        Args::augment_args(clap::Command::new("generate")).debug_assert();
+    }
+
+    #[test]
+    fn what_is_not_said_has_a_default() {
+        let settings = parse("").unwrap().settings().unwrap();
+        let coordinates = Format { integer: 12, fraction: 12 };
+        let folder = PathBuf::from("loop-fd");
+        let registers = Registers::WithoutDoubles;
+        let (output_fraction, max_level, proof, force) = (12, 8, true, false);
+        assert_eq!(
+            settings,
+            Settings { coordinates, output_fraction, max_level, registers, proof, force, folder }
+        );
+    }
+
+    #[test]
+    fn the_outputs_have_the_fraction_of_the_coordinates() {
+        let settings = parse("--coordinates Q2.20").unwrap().settings().unwrap();
+        assert_eq!(settings.output_fraction, 20);
+    }
+
+    #[test]
+    fn the_command_line_beats_the_file_and_the_file_beats_the_default() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("core.toml");
+        fs::write(&file, "max-level = 3\nregisters = 19\nproof = false\noutput = \"rtl\"\n").unwrap();
+        let with =
+            |words: &str| parse(&format!("--config {} {words}", file.display())).unwrap().settings().unwrap();
+        let from_file = with("");
+        assert_eq!(
+            (from_file.max_level, from_file.registers, from_file.proof),
+            (3, Registers::Distance, false)
+        );
+        assert_eq!((from_file.folder, from_file.output_fraction), (folder.path().join("rtl"), 12));
+        let said = with("--max-level 7 --registers 23 --proof -o here");
+        assert_eq!((said.max_level, said.registers, said.proof), (7, Registers::Published, true));
+        assert_eq!(said.folder, PathBuf::from("here"));
+    }
+
+    #[test]
+    fn a_mistake_in_the_file_does_not_hide_behind_an_option() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("core.toml");
+        fs::write(&file, "max-level = 11\n").unwrap();
+        let said = parse(&format!("--config {} --max-level 7", file.display())).unwrap();
+        assert_eq!(said.settings().unwrap_err().what, "'max-level' must be a whole number from 0 to 10");
+    }
+
+    #[test]
+    fn the_last_of_proof_and_no_proof_counts() {
+        assert!(!parse("--proof --no-proof").unwrap().settings().unwrap().proof);
+        assert!(parse("--no-proof --proof").unwrap().settings().unwrap().proof);
+    }
+
+    #[test]
+    fn values_that_no_core_has_are_refused() {
+        for words in ["--max-level 11", "--registers 21", "--coordinates 12.12", "--output-fraction 32"] {
+            assert_eq!(parse(words).unwrap_err().exit_code(), 2, "{words}");
+        }
+    }
+}

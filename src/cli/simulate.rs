@@ -1,0 +1,380 @@
+//! `simulate MESH`: a mesh through the hardware, in every simulator, compared bit for bit with the reference.
+//!
+//! The arguments become [`Settings`]; what is contradictory is refused before any work begins.
+
+use super::{
+    output::{self, FormatArg},
+    values::{FINEST_LEVEL, Registers, USUAL_MAX_LEVEL},
+};
+use crate::{
+    error::{Error, Result},
+    fixed::Format,
+};
+use clap::ValueEnum;
+use std::{
+    ffi::OsStr,
+    path::{Path, PathBuf},
+    time::Duration,
+};
+
+/// Evaluate a mesh's subdivision surface in simulated hardware and check every bit of it
+///
+/// Each patch of the surface goes through the generated core in each simulator, and what comes out is compared with
+/// the integer reference and with the exact limit surface. The exit status is 1 when a single bit differs.
+#[derive(Debug, clap::Args)]
+#[command(after_help = EXAMPLES, next_line_help = false)]
+#[command(group(clap::ArgGroup::new("source").required(true)))]
+pub struct Args {
+    /// The control mesh: OBJ, OFF, PLY, STL or SGI Inventor
+    #[arg(group = "source")]
+    pub mesh: Option<PathBuf>,
+
+    /// A built-in shape in place of a mesh; 'subdiv-rtl shapes' lists them
+    #[arg(long, value_name = "NAME", group = "source")]
+    pub shape: Option<String>,
+
+    /// Split polygons into triangles; without it they are refused
+    #[arg(long, conflicts_with = "shape")]
+    pub triangulate: bool,
+
+    /// The subdivision scheme
+    #[arg(long, value_enum, default_value_t)]
+    pub scheme: Scheme,
+
+    /// Subdivision level: each triangle becomes 4^N, 0 to 10
+    #[arg(long, value_name = "N", default_value_t = 5, value_parser = level())]
+    pub level: u32,
+
+    #[command(flatten)]
+    pub core: Core,
+
+    #[command(flatten)]
+    pub run: Run,
+
+    #[command(flatten)]
+    pub keep: Keep,
+
+    #[command(flatten)]
+    pub format: FormatArg,
+}
+
+/// The hardware.
+#[derive(Debug, clap::Args)]
+#[command(next_help_heading = "Core")]
+pub struct Core {
+    /// Format of the control points: i integer bits with the sign, f fraction bits [default: the widest fraction
+    /// that fits in 24 bits]
+    #[arg(long, value_name = "Qi.f")]
+    pub coordinates: Option<Format>,
+
+    /// Fraction bits of the vertices [default: those of the coordinates]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..Format::WIDEST as i64))]
+    pub output_fraction: Option<u32>,
+
+    /// The finest level the core is made for [default: 8, or the level if that is finer]
+    #[arg(long, value_name = "N", value_parser = level())]
+    pub max_level: Option<u32>,
+
+    /// Registers of each coordinate
+    #[arg(long, value_name = "COUNT", value_enum, default_value_t)]
+    pub registers: Registers,
+}
+
+/// How it is run.
+#[derive(Debug, clap::Args)]
+#[command(next_help_heading = "Simulation")]
+pub struct Run {
+    /// Where to run it; several with commas or by repeating the option
+    #[arg(long, value_name = "NAME", value_enum, value_delimiter = ',', default_value = "builtin")]
+    pub simulator: Vec<SimulatorName>,
+
+    /// When the consumer is not ready: none, random, random:PERCENT, bursts, or one-in-N
+    #[arg(long, value_name = "PATTERN", default_value = "none")]
+    pub back_pressure: String,
+
+    /// When the producer has nothing to offer, as for --back-pressure
+    #[arg(long, value_name = "PATTERN", default_value = "none")]
+    pub input_gaps: String,
+
+    /// Where the random patterns begin
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub seed: u64,
+
+    /// Stop a compiler or simulator that takes longer
+    #[arg(long, value_name = "SECONDS", default_value_t = 600, value_parser = clap::value_parser!(u64).range(1..))]
+    pub timeout: u64,
+}
+
+/// What is kept of it.
+#[derive(Debug, clap::Args)]
+#[command(next_help_heading = "Results")]
+pub struct Keep {
+    /// Write the fine mesh: .obj, .ply or .stl
+    #[arg(short, long, value_name = "FINE.obj")]
+    pub output: Option<PathBuf>,
+
+    /// Draw the fine mesh
+    #[arg(long, value_name = "FINE.png")]
+    pub picture: Option<PathBuf>,
+
+    /// Draw it as a mirror under parallel lines of light, which show the smoothness of its normals
+    #[arg(long, requires = "picture")]
+    pub reflection_lines: bool,
+
+    /// Draw the control mesh over it
+    #[arg(long, requires = "picture")]
+    pub control_mesh: bool,
+
+    /// What the colours of the picture show
+    #[arg(long, value_enum, value_name = "WHAT", default_value_t, requires = "picture")]
+    pub colour: Colour,
+
+    /// Write the waveform of the whole run, by the built-in simulator
+    #[arg(long, value_name = "FILE")]
+    pub vcd: Option<PathBuf>,
+
+    /// Keep what the simulators worked on in this folder
+    #[arg(long, value_name = "DIR")]
+    pub keep: Option<PathBuf>,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  subdiv-rtl simulate --shape blob
+  subdiv-rtl simulate bunny.obj --level 6 --simulator all -o fine.obj --picture fine.png
+  subdiv-rtl simulate --shape torus --coordinates Q2.14 --back-pressure random:30 --seed 7
+  subdiv-rtl simulate --shape icosahedron --format json | jq .error_lsb";
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum Scheme {
+    /// Triangles, after Charles Loop
+    #[default]
+    Loop,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, ValueEnum)]
+pub enum SimulatorName {
+    /// Our own, which needs no tools
+    Builtin,
+    /// Verilator, the fastest
+    Verilator,
+    /// Icarus Verilog
+    Icarus,
+    /// All of them; it is an error when one is missing
+    All,
+    /// Those of them that are installed
+    Installed,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum Colour {
+    /// Nothing: porcelain
+    #[default]
+    Plain,
+    /// The distance of each vertex from the exact limit surface
+    Error,
+    /// The polynomial patches, by their depth around irregular vertices
+    Patches,
+}
+
+fn level() -> impl clap::builder::TypedValueParser<Value = u32> {
+    clap::value_parser!(u32).range(0..=i64::from(FINEST_LEVEL))
+}
+
+/// What to simulate, complete and checked.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Settings {
+    pub source: Source,
+    pub triangulate: bool,
+    pub scheme: Scheme,
+    pub level: u32,
+    /// Nothing: the widest fraction that fits in 24 bits.
+    pub coordinates: Option<Format>,
+    /// Nothing: that of the coordinates.
+    pub output_fraction: Option<u32>,
+    pub max_level: u32,
+    pub registers: Registers,
+    pub simulators: Simulators,
+    /// A pattern of stalls, as written.
+    pub back_pressure: String,
+    pub input_gaps: String,
+    pub seed: u64,
+    /// For each run of a compiler or simulator.
+    pub timeout: Duration,
+    pub fine_mesh: Option<PathBuf>,
+    pub picture: Option<Picture>,
+    pub vcd: Option<PathBuf>,
+    pub keep: Option<PathBuf>,
+    pub format: output::Format,
+}
+
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Source {
+    File(PathBuf),
+    Shape(String),
+}
+
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Simulators {
+    /// Each of these must be there: no pair equal, in the order of [`SimulatorName`], neither `All` nor `Installed`.
+    Named(Vec<SimulatorName>),
+    /// Those that are there.
+    Installed,
+}
+
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Picture {
+    pub file: PathBuf,
+    pub reflection_lines: bool,
+    pub control_mesh: bool,
+    pub colour: Colour,
+}
+
+impl Args {
+    /// Checks what can be checked before any work.
+    ///
+    /// # Errors
+    /// `Usage` for a level that the core is not made for, two sources of simulators that contradict each other, and
+    /// files that would not be written in the end for their names.
+    pub fn settings(&self) -> Result<Settings> {
+        let source = match (&self.mesh, &self.shape) {
+            (Some(file), None) => Source::File(file.clone()),
+            (None, Some(name)) => Source::Shape(name.clone()),
+            _ => {
+                return Err(
+                    Error::usage("one mesh is simulated at a time").help("give a file, or --shape NAME")
+                );
+            }
+        };
+        let max_level = self.core.max_level.unwrap_or(USUAL_MAX_LEVEL.max(self.level));
+        if self.level > max_level {
+            let what = format!("level {} of a core that ends at level {max_level}", self.level);
+            return Err(Error::usage(what).help("lower --level or raise --max-level"));
+        }
+        let fine_mesh = self.keep.output.clone();
+        named(fine_mesh.as_deref(), "fine mesh", &["obj", "ply", "stl"])?;
+        named(self.keep.picture.as_deref(), "picture", &["png"])?;
+        let picture = self.keep.picture.as_ref().map(|file| Picture {
+            file: file.clone(),
+            reflection_lines: self.keep.reflection_lines,
+            control_mesh: self.keep.control_mesh,
+            colour: self.keep.colour,
+        });
+        Ok(Settings {
+            source,
+            triangulate: self.triangulate,
+            scheme: self.scheme,
+            level: self.level,
+            coordinates: self.core.coordinates,
+            output_fraction: self.core.output_fraction,
+            max_level,
+            registers: self.core.registers,
+            simulators: simulators(&self.run.simulator)?,
+            back_pressure: self.run.back_pressure.clone(),
+            input_gaps: self.run.input_gaps.clone(),
+            seed: self.run.seed,
+            timeout: Duration::from_secs(self.run.timeout),
+            fine_mesh,
+            picture,
+            vcd: self.keep.vcd.clone(),
+            keep: self.keep.keep.clone(),
+            format: self.format.format,
+        })
+    }
+}
+
+fn simulators(names: &[SimulatorName]) -> Result<Simulators> {
+    if names.contains(&SimulatorName::Installed) {
+        if names.iter().any(|name| *name != SimulatorName::Installed) {
+            return Err(Error::usage("simulators are named beside 'installed'")
+                .help("name those that must be there, or say 'installed' alone"));
+        }
+        return Ok(Simulators::Installed);
+    }
+    let all = [SimulatorName::Builtin, SimulatorName::Verilator, SimulatorName::Icarus];
+    let wanted = |name: &SimulatorName| names.contains(&SimulatorName::All) || names.contains(name);
+    Ok(Simulators::Named(all.into_iter().filter(wanted).collect()))
+}
+
+/// Refuses a file whose ending says that it cannot be written.
+fn named(file: Option<&Path>, what: &str, endings: &[&str]) -> Result<()> {
+    let Some(file) = file else { return Ok(()) };
+    let ending = file.extension().and_then(OsStr::to_str).unwrap_or_default().to_ascii_lowercase();
+    if endings.contains(&ending.as_str()) {
+        return Ok(());
+    }
+    let endings: Vec<String> = endings.iter().map(|ending| format!(".{ending}")).collect();
+    Err(Error::usage(format!("no {what} is written to '{}'", file.display()))
+        .help(format!("give a file that ends in {}", endings.join(" or "))))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::{Args as _, FromArgMatches};
+
+    fn command() -> clap::Command {
+        Args::augment_args(clap::Command::new("simulate"))
+    }
+
+    fn parse(words: &str) -> Result<Args, clap::Error> {
+        let words = ["simulate"].into_iter().chain(words.split_whitespace());
+        Args::from_arg_matches(&command().try_get_matches_from(words)?)
+    }
+
+    fn settings(words: &str) -> Settings {
+        parse(words).unwrap().settings().unwrap()
+    }
+
+    #[test]
+    fn the_options_are_consistent() {
+        command().debug_assert();
+    }
+
+    #[test]
+    fn one_mesh_is_needed_and_no_more() {
+        assert_eq!(settings("bunny.obj").source, Source::File("bunny.obj".into()));
+        assert_eq!(settings("--shape blob").source, Source::Shape("blob".into()));
+        assert!(parse("").is_err());
+        assert!(parse("bunny.obj --shape blob").is_err());
+    }
+
+    #[test]
+    fn the_core_is_made_fine_enough() {
+        assert_eq!(settings("a.obj").max_level, 8);
+        assert_eq!(settings("a.obj --level 10").max_level, 10);
+        assert_eq!(settings("a.obj --level 2 --max-level 2").max_level, 2);
+        assert!(parse("a.obj --level 3 --max-level 2").unwrap().settings().is_err());
+        assert!(parse("a.obj --level 11").is_err());
+    }
+
+    #[test]
+    fn simulators_are_a_set() {
+        use SimulatorName::{Builtin, Icarus, Verilator};
+        let chosen = |words: &str| settings(&format!("a.obj {words}")).simulators;
+        assert_eq!(chosen(""), Simulators::Named(vec![Builtin]));
+        assert_eq!(
+            chosen("--simulator icarus,builtin --simulator icarus"),
+            Simulators::Named(vec![Builtin, Icarus])
+        );
+        assert_eq!(chosen("--simulator all,icarus"), Simulators::Named(vec![Builtin, Verilator, Icarus]));
+        assert_eq!(chosen("--simulator installed"), Simulators::Installed);
+        assert!(parse("a.obj --simulator installed,icarus").unwrap().settings().is_err());
+    }
+
+    #[test]
+    fn files_that_cannot_be_written_are_refused_at_once() {
+        assert_eq!(settings("a.obj -o fine.STL").fine_mesh, Some("fine.STL".into()));
+        for words in ["a.obj -o fine.off", "a.obj -o fine", "a.obj --picture fine.jpg"] {
+            assert_eq!(parse(words).unwrap().settings().unwrap_err().exit_status(), 2, "{words}");
+        }
+    }
+
+    #[test]
+    fn options_of_the_picture_need_one() {
+        for option in ["--reflection-lines", "--control-mesh", "--colour error"] {
+            assert!(parse(&format!("a.obj {option}")).is_err(), "{option}");
+            assert!(settings(&format!("a.obj --picture a.png {option}")).picture.is_some(), "{option}");
+        }
+    }
+}
