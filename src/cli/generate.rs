@@ -4,9 +4,11 @@
 
 use super::{
     config::Config,
+    output,
+    progress::Progress,
     values::{FINEST_LEVEL, Registers, USUAL_MAX_LEVEL},
 };
-use crate::{error::Result, fixed::Format};
+use crate::{cores::loop_fd::Parameters, error::Result, fixed::Format, package};
 use std::path::PathBuf;
 
 /// Write a core: Verilog, testbench, FuseSoC core file, file list and manifest
@@ -79,6 +81,29 @@ where core.toml has any of these lines:
   registers = 20
   proof = true
   output = \"rtl/loop-fd\"     # from the folder of the configuration";
+
+/// Runs the subcommand.
+///
+/// # Errors
+/// Those of the settings; a core that cannot be built; a refuted proof; a folder that cannot be written.
+pub fn run(args: &Args) -> Result<()> {
+    let Core::LoopFd(core) = &args.core;
+    let settings = core.settings()?;
+    let parameters = Parameters::new(
+        settings.coordinates,
+        settings.output_fraction,
+        settings.max_level,
+        settings.registers.form(),
+    )?;
+    let work = if settings.proof { "proving the core" } else { "building the core" };
+    let package = {
+        let _shown = Progress::waiting(work);
+        package::loop_fd::package(parameters, settings.proof)?
+    };
+    package.write(&settings.folder, settings.force)?;
+    let paths = package.files.iter().map(|(path, _)| format!("{}\n", settings.folder.join(path).display()));
+    output::print(&paths.collect::<String>())
+}
 
 /// What to generate, complete and checked.
 #[derive(Clone, Debug, PartialEq, Eq)]

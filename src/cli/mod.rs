@@ -12,10 +12,12 @@
 
 pub mod completions;
 pub mod config;
+pub mod doctor;
 mod failure;
 pub mod generate;
 pub mod output;
 pub mod progress;
+pub mod shapes;
 pub mod simulate;
 pub mod values;
 
@@ -65,6 +67,10 @@ struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    Simulate(Box<simulate::Args>),
+    Generate(Box<generate::Args>),
+    Shapes(shapes::Args),
+    Doctor(doctor::Args),
     Completions(completions::Args),
 }
 
@@ -72,12 +78,19 @@ impl Command {
     /// How the result is written, and with it an error.
     fn format(&self) -> Format {
         match self {
-            Command::Completions(_) => Format::Text,
+            Command::Simulate(args) => args.format.format,
+            Command::Shapes(args) => args.format.format,
+            Command::Doctor(args) => args.format.format,
+            Command::Generate(_) | Command::Completions(_) => Format::Text,
         }
     }
 
     fn run(&self) -> Result<()> {
         match self {
+            Command::Simulate(args) => simulate::run(args),
+            Command::Generate(args) => generate::run(args),
+            Command::Shapes(args) => shapes::run(args),
+            Command::Doctor(args) => doctor::run(args),
             Command::Completions(args) => completions::run(args),
         }
     }
@@ -92,6 +105,8 @@ pub fn main() -> ExitCode {
     progress::set_quiet(cli.quiet);
     match cli.command.run() {
         Ok(()) => ExitCode::SUCCESS,
+        // The result of a simulation says itself, as JSON, what differs.
+        Err(error) if simulate::is_mismatch(&error) => failure::report(&error, Format::Text),
         Err(error) => failure::report(&error, cli.command.format()),
     }
 }

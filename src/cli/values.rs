@@ -1,5 +1,6 @@
 //! Values that several subcommands take.
 
+use crate::cores::loop_fd::RegisterForm;
 use clap::ValueEnum;
 use std::fmt;
 
@@ -28,6 +29,16 @@ impl Registers {
             Registers::WithoutZero => 22,
             Registers::WithoutDoubles => 20,
             Registers::Distance => 19,
+        }
+    }
+
+    /// The same as the core knows it.
+    pub fn form(self) -> RegisterForm {
+        match self {
+            Registers::Published => RegisterForm::Published23,
+            Registers::WithoutZero => RegisterForm::WithoutZero22,
+            Registers::WithoutDoubles => RegisterForm::Minimal20,
+            Registers::Distance => RegisterForm::Relative19,
         }
     }
 

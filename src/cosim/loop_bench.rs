@@ -132,6 +132,28 @@ impl LoopBench {
         (steps, row)
     }
 
+    /// The fine triangles in the order of the packets, as vertices of the grid, each with the depth of its
+    /// patch in the hierarchy and the number of the patch.
+    pub fn triangles(&self, grid: &FineGrid) -> (Vec<[u32; 3]>, Vec<(u8, u32)>) {
+        let (mut triangles, mut owners) = (vec![], vec![]);
+        for (number, patch) in self.patches.iter().enumerate() {
+            let steps = patch.steps();
+            let vertex = |i: i32, j: i32| {
+                let [u, v] = patch.lattice(i, j);
+                grid.vertex(patch.face as usize, u as usize, v as usize) as u32
+            };
+            for (i, j) in (0..steps).flat_map(|i| (0..steps - i).map(move |j| (i, j))) {
+                triangles.push([vertex(i, j), vertex(i + 1, j), vertex(i, j + 1)]);
+                if i + j + 1 < steps {
+                    triangles.push([vertex(i, j + 1), vertex(i + 1, j), vertex(i + 1, j + 1)]);
+                }
+            }
+            let depth = grid.level() - patch.level;
+            owners.resize(triangles.len(), (depth as u8, number as u32));
+        }
+        (triangles, owners)
+    }
+
     /// The fine mesh that the hardware drew.
     pub fn assemble<'a>(
         &self,

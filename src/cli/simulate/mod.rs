@@ -2,6 +2,11 @@
 //!
 //! The arguments become [`Settings`]; what is contradictory is refused before any work begins.
 
+mod result;
+mod run;
+
+pub use run::is_mismatch;
+
 use super::{
     output::{self, FormatArg},
     values::{FINEST_LEVEL, Registers, USUAL_MAX_LEVEL},
@@ -228,6 +233,11 @@ pub struct Picture {
     pub reflection_lines: bool,
     pub control_mesh: bool,
     pub colour: Colour,
+}
+
+/// Runs the subcommand.
+pub fn run(args: &Args) -> Result<()> {
+    run::run(&args.settings()?)
 }
 
 impl Args {
