@@ -36,7 +36,7 @@ pub fn print(text: &str) -> Result<()> {
 /// Prints bytes as they are.
 ///
 /// # Errors
-/// As [`print`].
+/// As [`print()`].
 pub fn print_bytes(bytes: &[u8]) -> Result<()> {
     let mut stream = io::stdout().lock();
     judge(stream.write_all(bytes).and_then(|()| stream.flush()))
@@ -45,7 +45,7 @@ pub fn print_bytes(bytes: &[u8]) -> Result<()> {
 /// Prints one JSON object that begins with its schema, `subdiv-rtl/NAME/VERSION`.
 ///
 /// # Errors
-/// As [`print`].
+/// As [`print()`].
 pub fn print_object(name: &str, version: u32, fields: &impl Serialize) -> Result<()> {
     print_bytes(object(name, version, fields)?.as_bytes())
 }

@@ -54,7 +54,7 @@ use lines::{Ink, Line};
 use raster::{Band, Corner, UNIT};
 use shade::Shader;
 use std::{collections::BTreeSet, ops::Range};
-use studio::{Bounce, Studio};
+use studio::{Bounce, Light, Studio};
 use surface::{Placement, Surface};
 
 /// Rows that are drawn together: few enough that their samples stay in the cache.
@@ -107,17 +107,7 @@ pub fn render(scene: &Scene, options: &Options) -> Result<Image> {
     let shown = surface.positions.iter().chain(&control).copied();
     let camera = Camera::new(shown, width, height, &margins);
 
-    let studio = Studio::new(&camera);
-    let lights: Vec<(Vec3, f32)> = studio.rays.iter().map(|ray| (ray.toward, ray.spread)).collect();
-    let maps = visibility::depth_maps(&surface, &lights, threads);
-    let lowest = surface.positions.iter().map(|p| p.y).fold(f32::INFINITY, f32::min);
-    let floor = Floor::new(lowest - 0.015, &studio.rays, &maps, threads);
-    let brightness = |p: Vec3| floor.lit(p).y;
-    let bounce = Bounce { level: floor.level, brightness: &brightness };
-    let outside = studio.gather(&maps, &surface, 1.0, &bounce, threads);
-    let inside =
-        if surface.closed { Vec::new() } else { studio.gather(&maps, &surface, -1.0, &bounce, threads) };
-
+    let Lighting { studio, floor, outside, inside } = Lighting::new(&surface, &camera, threads);
     let corners: Vec<Corner> = surface
         .positions
         .iter()
@@ -169,6 +159,32 @@ pub fn render(scene: &Scene, options: &Options) -> Result<Image> {
         },
     );
     Ok(Image { width: options.width, height: options.height, pixels: rows.concat() })
+}
+
+/// All light on the surface and on the floor.
+struct Lighting {
+    studio: Studio,
+    floor: Floor,
+    /// For each vertex; the inside only where it can be seen.
+    outside: Vec<Light>,
+    inside: Vec<Light>,
+}
+
+impl Lighting {
+    fn new(surface: &Surface, camera: &Camera, threads: usize) -> Self {
+        let studio = Studio::new(camera);
+        let lights: Vec<(Vec3, f32)> = studio.rays.iter().map(|ray| (ray.toward, ray.spread)).collect();
+        let maps = visibility::depth_maps(surface, &lights, threads);
+        let lowest = surface.positions.iter().map(|p| p.y).fold(f32::INFINITY, f32::min);
+        // A little below, so that a flat plate casts a shadow too.
+        let floor = Floor::new(lowest - 0.015, &studio.rays, &maps, threads);
+        let brightness = |p: Vec3| floor.lit(p).y;
+        let bounce = Bounce { level: floor.level, brightness: &brightness };
+        let gather = |side: f32| studio.gather(&maps, surface, side, &bounce, threads);
+        let outside = gather(1.0);
+        let inside = if surface.closed { Vec::new() } else { gather(-1.0) };
+        Lighting { studio, floor, outside, inside }
+    }
 }
 
 /// Borders of patches, the control mesh with its vertices, and the text of the legend, in this order.

@@ -38,6 +38,9 @@ pub fn depth_maps(surface: &Surface, lights: &[(Vec3, f32)], threads: usize) -> 
 /// A depth where nothing is.
 const EMPTY: f32 = -1e6;
 
+/// The sharpest shadow on the floor: as wide as the lattice of the floor is.
+const FLOOR: f32 = 4.0;
+
 impl DepthMap {
     fn new(toward: Vec3, spread: f32, cloud: &[Vec3]) -> Self {
         let aside = if toward.y.abs() < 0.7 { Vec3::Y } else { Vec3::X };
@@ -109,7 +112,7 @@ impl DepthMap {
             if count < 1e-3 {
                 return 1.0;
             }
-            radius = (self.spread * (depths / count - depth)).clamp(1.0, 0.5 * SIDE as f32);
+            radius = (self.spread * (depths / count - depth)).clamp(FLOOR, 0.5 * SIDE as f32);
         }
         // Two boxes of different size: the sum of their edges is softer than either.
         let covered = |radius: f32| self.sum_around(x, y, radius)[0] / (4.0 * radius * radius);
