@@ -4,6 +4,7 @@ pub mod cli;
 pub mod cores;
 pub mod cosim;
 pub mod error;
+pub mod files;
 pub mod fixed;
 pub mod hdl;
 pub mod mesh;
