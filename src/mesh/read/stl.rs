@@ -168,7 +168,7 @@ mod tests {
             ("  vertex 0 0 0e0\n", "", 6, "a loop has 2 vertices"),
             ("vertex 0 0 0e0", "vertex 0 0", 4, "fewer than three"),
             ("Outer Loop", "", 4, "'vertex' does not belong here"),
-            ("endloop\nendfacet\nendsolid\n", "", 9, "ends within an open loop"),
+            ("endloop\nendfacet\nendsolid\n", "", 10, "ends within an open loop"),
         ] {
             let bad = text().replacen(from, to, 1);
             let error = read_text(bad.as_bytes(), "x").unwrap_err();

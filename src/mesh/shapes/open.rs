@@ -13,7 +13,7 @@ pub(super) fn triangle() -> Parts {
 /// A wavy grid of 4 x 4 squares; valence 2 at the corners, 3 along the sides, 4 inside.
 pub(super) fn square_quads() -> Parts {
     let at = |i: u32| f64::from(i) / 2.0 - 1.0;
-    let point = |(x, y): (f64, f64)| dvec3(x, y, 0.4 * x * y * (1.5 - y) + 0.2 * x * x) * 0.9;
+    let point = |(x, y): (f64, f64)| dvec3(x, y, 0.25 * x * y * (1.0 - 0.5 * y) + 0.15 * x * x) * 0.9;
     let points = (0..25).map(|i| point((at(i % 5), at(i / 5)))).collect();
     let quads = (0..16).map(|i| i % 4 + i / 4 * 5).map(|v| vec![v, v + 1, v + 6, v + 5]);
     (points, quads.collect())
@@ -76,7 +76,8 @@ pub(super) fn disc() -> Parts {
         let (sin, cos) = (i as f64 * TAU / boundary.len() as f64).sin_cos();
         points[v as usize] = dvec3(cos, sin, 0.0);
     }
-    relax(&mut points, &faces, 40, |v| v <= SECTORS, |p| p);
+    (0..SECTORS).for_each(|s| points[inner(s) as usize] = 0.5 * points[outer(2 * s) as usize]);
+    relax(&mut points, &faces, 10, |v| v <= SECTORS, |p| p);
     (points.into_iter().map(dome).collect(), faces)
 }
 

@@ -23,7 +23,7 @@ fn torus_points() -> Vec<DVec3> {
 fn torus_grid() -> impl Iterator<Item = [u32; 4]> {
     let v = |i: u32, j: u32| i % AROUND * TUBE + j % TUBE;
     let quad = move |(i, j)| [v(i, j), v(i + 1, j), v(i + 1, j + 1), v(i, j + 1)];
-    (0..AROUND * TUBE).map(|k| quad((k / TUBE, k % TUBE)))
+    (0..AROUND * TUBE).map(move |k| quad((k / TUBE, k % TUBE)))
 }
 
 pub(super) fn torus_quads() -> Parts {
