@@ -134,6 +134,7 @@ mod tests {
     #[test]
     fn the_widest_format_uses_the_true_range() {
         assert_eq!(widest_format(&mesh(&[-1.0, 0.99]), 24).unwrap(), format("Q1.23"));
+        assert_eq!(widest_format(&mesh(&[-1.5, 0.5]), 24).unwrap(), format("Q2.22"));
         assert_eq!(widest_format(&mesh(&[-1.0, 1.0]), 24).unwrap(), format("Q2.22"));
         assert_eq!(widest_format(&mesh(&[1e9]), 24).unwrap_err().place.as_deref(), Some("m, vertex 0"));
         assert!(widest_format(&mesh(&[0.0]), 99).is_err());

@@ -34,7 +34,7 @@ pub enum FileFormat {
 
 impl FileFormat {
     /// For messages.
-    pub const ALL: &str = "OBJ, OFF, PLY, STL and SGI Inventor ASCII (.iv)";
+    pub const NAMES: &str = "OBJ, OFF, PLY, STL and SGI Inventor ASCII (.iv)";
 
     /// The format that a file name promises.
     pub fn of_path(path: &Path) -> Option<Self> {
@@ -108,7 +108,7 @@ pub fn read_from(mut input: impl Read, file: &str, format: Option<FileFormat>) -
     let format = format.or_else(|| FileFormat::of_content(&head)).ok_or_else(|| {
         Error::input("the format of this file is unknown")
             .at(file)
-            .help(format!("{} are read; give the file its usual extension", FileFormat::ALL))
+            .help(format!("{} are read; give the file its usual extension", FileFormat::NAMES))
     })?;
     let text = format == FileFormat::Stl && stl::is_text(&head);
     let mark = if head.starts_with(b"\xef\xbb\xbf") { 3 } else { 0 }; // UTF-8 byte order mark

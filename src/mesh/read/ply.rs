@@ -27,7 +27,7 @@ pub(super) fn read(input: impl BufRead, file: &str) -> Result<Mesh> {
 fn elements_of(mut values: impl Values, elements: Vec<Element>, file: &str) -> Result<Mesh> {
     let mut draft = Draft::new(file, 0);
     // Elements without properties take no room, however many there are said to be.
-    for element in elements.iter().filter(|_| true) {
+    for element in elements.iter().filter(|element| !element.properties.is_empty()) {
         for index in 0..element.count {
             values.begin(element, index)?;
             read_element(&mut values, element, &mut draft)?;

@@ -39,7 +39,7 @@ pub(super) fn blob() -> Parts {
         (dvec3(0.9, 0.4, 0.0), 7),
         (dvec3(-0.1, -0.2, -0.6), 9),
     ] {
-        gather(&mut faces, nearest(&directions, place - NECK), valence, 4..=7);
+        gather(&mut faces, nearest(&directions, place - NECK), valence, 4);
     }
     (duck(directions, &faces, 4, 4), faces)
 }
@@ -55,7 +55,7 @@ pub(super) fn blob_quads() -> Parts {
         (dvec3(0.7, -0.2, 0.0), 6),
         (dvec3(-1.0, 0.1, 0.0), 6),
     ] {
-        gather(&mut faces, nearest(&directions, place - NECK), valence, 3..=6);
+        gather(&mut faces, nearest(&directions, place - NECK), valence, 3);
     }
     (duck(directions, &faces, 8, 1), faces)
 }

@@ -241,6 +241,14 @@ mod tests {
     }
 
     #[test]
+    fn distances_between_words() {
+        assert_eq!(
+            (distance("blob", "bloob"), distance("bloob", "blob"), distance("tours", "torus")),
+            (1, 1, 2)
+        );
+    }
+
+    #[test]
     fn a_misspelt_name_gets_the_right_one() {
         assert_eq!(shape("tours").unwrap_err().help.as_deref(), Some("did you mean 'torus'?"));
         let error = shape("elephant").unwrap_err();

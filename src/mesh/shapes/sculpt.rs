@@ -2,7 +2,6 @@
 
 use glam::DVec3;
 use std::collections::BTreeSet;
-use std::ops::RangeInclusive;
 
 /// Evens out the faces: moves each vertex that is `free` to the mean of the centres of its faces, weighted by
 /// their areas, again and again, and each time on to where `place` puts that point.
@@ -89,8 +88,8 @@ pub(super) fn split(points: &mut Vec<DVec3>, faces: &mut Vec<Vec<u32>>, directio
 }
 
 /// Turns edges of the faces around `hub` towards it until it has `valence` edges, or no edge can be turned
-/// without a valence leaving the range `others`.
-pub(super) fn gather(faces: &mut [Vec<u32>], hub: u32, valence: usize, others: RangeInclusive<usize>) {
+/// without another vertex falling below `least` edges.
+pub(super) fn gather(faces: &mut [Vec<u32>], hub: u32, valence: usize, least: usize) {
     loop {
         let vertices = faces.iter().flatten().max().map_or(0, |&last| last as usize + 1);
         let rings = neighbours(vertices, faces);
@@ -104,7 +103,7 @@ pub(super) fn gather(faces: &mut [Vec<u32>], hub: u32, valence: usize, others: R
             let before = |steps| face[(at + face.len() - steps) % face.len()];
             let (a, b) = (before(2), before(1));
             let Some(x) = faces.iter().find_map(|face| follower(face, b, a)) else { continue };
-            let may = count(a).min(count(b)) > *others.start() && count(x) < *others.end();
+            let may = count(a).min(count(b)) > least;
             let gain = (count(a) + count(b)).saturating_sub(count(x));
             if may && !rings[hub as usize].contains(&x) && best.is_none_or(|(most, ..)| gain > most) {
                 best = Some((gain, a, b));
