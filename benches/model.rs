@@ -3,27 +3,29 @@
 //!
 //! `cargo bench --bench model`; the `thrpt` line of each run counts triangles.
 
-#[path = "../tests/surface_meshes/mod.rs"]
-mod surface_meshes;
-
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use std::hint::black_box;
+use subdiv_rtl::fixed::Format;
+use subdiv_rtl::mesh::{quantise, shape};
 use subdiv_rtl::model::loop_fd::LoopFd;
 use subdiv_rtl::model::render::render;
 use subdiv_rtl::surface::control_mesh::ControlMesh;
 use subdiv_rtl::surface::fine_grid::FineGrid;
 use subdiv_rtl::surface::limit_oracle::LimitOracle;
 use subdiv_rtl::surface::table::Table;
-use surface_meshes::{random_closed, shaken, torus};
 
 const WIDTH: u32 = 24;
 const LEVEL: u32 = 6;
 
+/// The built-in shapes at Q12.12.
 fn meshes() -> [(&'static str, ControlMesh); 2] {
-    [
-        ("torus of 128 triangles", shaken(torus(8, 8), WIDTH, 1)),
-        ("blob of 130 triangles, valences 3 to 9", shaken(random_closed(67, 2), WIDTH, 2)),
-    ]
+    let control = |name: &str| {
+        let mesh = shape(name).expect("a built-in shape");
+        let format = Format { integer: 12, fraction: 12 };
+        let positions = quantise(&mesh, format).expect("shapes lie within [-1, 1]").positions;
+        ControlMesh::new(positions, mesh.triangles().expect("a triangle mesh")).expect("a manifold")
+    };
+    [("torus, 144 triangles", control("torus")), ("blob, 130 triangles, valences 3 to 9", control("blob"))]
 }
 
 fn reference_model(c: &mut Criterion) {

@@ -1,4 +1,35 @@
 //! A mesh comes in, hardware that provably evaluates its subdivision surface goes out.
+//!
+//! ```text
+//! mesh file ─► mesh ─► surface (patches, strips) ─► words in ─┐
+//!                                                             ▼
+//!    cores (described in hdl) ─► Verilog + testbench ─► Verilator │ Icarus ─► words out
+//!         │  │                                                                   │
+//!         │  └────────────── built-in simulator ─────────────────────► words out │
+//!         └─► proof by linear forms                                              │
+//!    model (plain integers, written from the mathematics) ─────────► words expected
+//!                                                                                │
+//!                                                  compare bit for bit ◄─────────┘
+//!                                                             │
+//!                           fine mesh, error against the exact limit, pictures
+//! ```
+//!
+//! | room | what lives there | uses |
+//! |---|---|---|
+//! | [`error`], [`files`] | the one error type; files written whole or not at all | nothing |
+//! | [`mesh`] | indexed meshes, adjacency, readers and writers, built-in shapes | `fixed` formats |
+//! | [`fixed`] | formats, rounding, exact ranges, exact linear forms | nothing |
+//! | [`surface`] | masks, patches, hierarchy, oracles, in exact numbers | `mesh`, `fixed` |
+//! | [`model`] | the bit-exact reference of every core, in plain integers | `fixed`, constants of `surface` |
+//! | [`hdl`] | the language: cells, builder, simulator, prover, Verilog printer | `fixed` |
+//! | [`cores`] | the hardware, one unit a file | `hdl`, `fixed`, constants of `surface` |
+//! | [`cosim`] | stimulus, drivers of every simulator, comparison, verdict | all above |
+//! | [`package`] | a core as files: Verilog, testbench, FuseSoC, manifest | all above |
+//! | [`report`] | tables and pictures | plain data |
+//! | [`cli`] | one file for each subcommand | all above |
+//!
+//! `model` never uses `hdl` or `cores`, and those never use `model`: both sides are written from the same
+//! mathematics by different means, so that a mistake in one shows. Tests guard that.
 
 pub mod cli;
 pub mod cores;

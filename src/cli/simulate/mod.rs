@@ -12,6 +12,7 @@ use super::{
     values::{FINEST_LEVEL, Registers, USUAL_MAX_LEVEL},
 };
 use crate::{
+    cosim::Stall,
     error::{Error, Result},
     fixed::Format,
 };
@@ -94,12 +95,12 @@ pub struct Run {
     pub simulator: Vec<SimulatorName>,
 
     /// When the consumer is not ready: none, random, random:PERCENT, bursts, or one-in-N
-    #[arg(long, value_name = "PATTERN", default_value = "none")]
-    pub back_pressure: String,
+    #[arg(long, value_name = "PATTERN", default_value_t = Stall::None)]
+    pub back_pressure: Stall,
 
     /// When the producer has nothing to offer, as for --back-pressure
-    #[arg(long, value_name = "PATTERN", default_value = "none")]
-    pub input_gaps: String,
+    #[arg(long, value_name = "PATTERN", default_value_t = Stall::None)]
+    pub input_gaps: Stall,
 
     /// Where the random patterns begin
     #[arg(long, value_name = "N", default_value_t = 1)]
@@ -200,9 +201,8 @@ pub struct Settings {
     pub max_level: u32,
     pub registers: Registers,
     pub simulators: Simulators,
-    /// A pattern of stalls, as written.
-    pub back_pressure: String,
-    pub input_gaps: String,
+    pub back_pressure: Stall,
+    pub input_gaps: Stall,
     pub seed: u64,
     /// For each run of a compiler or simulator.
     pub timeout: Duration,
@@ -262,6 +262,9 @@ impl Args {
             return Err(Error::usage(what).help("lower --level or raise --max-level"));
         }
         let fine_mesh = self.keep.output.clone();
+        for file in [&fine_mesh, &self.keep.picture, &self.keep.vcd].into_iter().flatten() {
+            in_a_folder(file)?;
+        }
         named(fine_mesh.as_deref(), "fine mesh", &["obj", "ply", "stl"])?;
         named(self.keep.picture.as_deref(), "picture", &["png"])?;
         let picture = self.keep.picture.as_ref().map(|file| Picture {
@@ -280,8 +283,8 @@ impl Args {
             max_level,
             registers: self.core.registers,
             simulators: simulators(&self.run.simulator)?,
-            back_pressure: self.run.back_pressure.clone(),
-            input_gaps: self.run.input_gaps.clone(),
+            back_pressure: self.run.back_pressure,
+            input_gaps: self.run.input_gaps,
             seed: self.run.seed,
             timeout: Duration::from_secs(self.run.timeout),
             fine_mesh,
@@ -304,6 +307,17 @@ fn simulators(names: &[SimulatorName]) -> Result<Simulators> {
     let all = [SimulatorName::Builtin, SimulatorName::Verilator, SimulatorName::Icarus];
     let wanted = |name: &SimulatorName| names.contains(&SimulatorName::All) || names.contains(name);
     Ok(Simulators::Named(all.into_iter().filter(wanted).collect()))
+}
+
+/// Refuses a file in a folder that does not exist: better now than after the work.
+fn in_a_folder(file: &Path) -> Result<()> {
+    let folder = file.parent().filter(|folder| !folder.as_os_str().is_empty());
+    match folder {
+        Some(folder) if !folder.is_dir() => Err(Error::usage("there is no such folder")
+            .at(folder.display())
+            .help(format!("make it (mkdir -p {}), or write elsewhere", folder.display()))),
+        _ => Ok(()),
+    }
 }
 
 /// Refuses a file whose ending says that it cannot be written.

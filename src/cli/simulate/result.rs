@@ -55,10 +55,10 @@ pub fn verdict(found: &Found) -> Verdict {
     }
 }
 
-pub fn print(found: &Found) -> Result<()> {
+pub fn print(found: &Found, verdict: &Verdict) -> Result<()> {
     match found.settings.format {
         Format::Json => output::print_object("simulate", 1, &object(found)),
-        Format::Text => output::print(&text(found)),
+        Format::Text => output::print(&text(found, verdict)),
     }
 }
 
@@ -106,8 +106,8 @@ fn object(found: &Found) -> Value {
             "at_most_half": e.at_most_half,
             "uncertainty": e.uncertainty,
         })),
-        "back_pressure": found.settings.back_pressure,
-        "input_gaps": found.settings.input_gaps,
+        "back_pressure": found.settings.back_pressure.to_string(),
+        "input_gaps": found.settings.input_gaps.to_string(),
         "seed": found.settings.seed,
         "simulators": found.outcomes.iter().map(|o| simulator(found, o)).collect::<Vec<_>>(),
     })
@@ -135,7 +135,7 @@ fn simulator(found: &Found, outcome: &Outcome) -> Value {
     object
 }
 
-fn text(found: &Found) -> String {
+fn text(found: &Found, verdict: &Verdict) -> String {
     let (counts, p) = (found.bench.counts, found.parameters);
     let mut facts = Table::new(&[("", Align::Left), ("", Align::Left)]);
     let vertices = thousands(found.mesh.positions.len() as u128);
@@ -213,7 +213,10 @@ fn text(found: &Found) -> String {
             Cell::new(if passed { "equal, bit for bit" } else { "DIFFERS" }, tone(passed)),
         ]);
     }
-    let written = written(found.settings);
+    let written = match verdict {
+        Verdict::Right => written(found.settings),
+        Verdict::Wrong(_) => String::new(),
+    };
     format!("{facts}\n{runs}{written}")
 }
 

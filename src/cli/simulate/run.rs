@@ -10,7 +10,7 @@ use super::{Colour, Picture, Settings, SimulatorName, Simulators, Source};
 use crate::cli::progress::Progress;
 use crate::cores::loop_fd::{Parameters, build};
 use crate::cosim::loop_bench::{self, LoopBench};
-use crate::cosim::{self, Builtin, Clocked, External, Model, Outcome, Simulator, Stall, Stimulus, Tool};
+use crate::cosim::{self, Builtin, Clocked, External, Model, Outcome, Simulator, Stimulus, Tool};
 use crate::error::{Error, Kind, Result};
 use crate::fixed::Format;
 use crate::hdl::{Module, verilog};
@@ -23,9 +23,9 @@ use crate::surface::error_bound::{Accuracy, error_bound_lsb};
 use crate::surface::limit_oracle::LimitOracle;
 use crate::surface::table::Table;
 
-/// Runs everything; prints the result; an error of kind `Mismatch` when a bit differs.
+/// Runs everything and prints the result. Files are written only when all is right; an error of kind
+/// `Mismatch` when a bit differs.
 pub fn run(settings: &Settings) -> Result<()> {
-    let stalls = (settings.back_pressure.parse::<Stall>()?, settings.input_gaps.parse::<Stall>()?);
     let (mesh, notes) = load(settings)?;
     let coordinates = match settings.coordinates {
         Some(format) => format,
@@ -39,7 +39,7 @@ pub fn run(settings: &Settings) -> Result<()> {
         Parameters::new(coordinates, output_fraction, settings.max_level, settings.registers.form())?;
     let core = build(parameters)?;
     let bench = LoopBench::new(&core, parameters, &control, settings.level)?;
-    let outcomes = simulate(settings, &core, parameters, &bench, stalls)?;
+    let outcomes = simulate(settings, &core, parameters, &bench)?;
 
     let drawn = draw(settings, &bench, &control, &outcomes)?;
     let oracle = LimitOracle::new(&control, settings.level)?;
@@ -54,11 +54,6 @@ pub fn run(settings: &Settings) -> Result<()> {
         largest_irregular_valence: control.largest_irregular_valence(),
     };
 
-    let format = Format { integer: coordinates.integer, fraction: output_fraction };
-    let surface = positions.map(|positions| Surface { positions, format, oracle: &oracle, extra });
-    if let Some(surface) = &surface {
-        surface.write(settings, &bench, &drawn, &mesh)?;
-    }
     let found = Found {
         settings,
         mesh: &mesh,
@@ -71,8 +66,14 @@ pub fn run(settings: &Settings) -> Result<()> {
         bound: error_bound_lsb(&accuracy),
         outcomes: &outcomes,
     };
-    result::print(&found)?;
-    match result::verdict(&found) {
+    let verdict = result::verdict(&found);
+    if let (Verdict::Right, Some(positions)) = (&verdict, positions) {
+        let format = Format { integer: coordinates.integer, fraction: output_fraction };
+        let surface = Surface { positions, format, oracle: &oracle, extra };
+        surface.write(settings, &bench, &drawn, &mesh)?;
+    }
+    result::print(&found, &verdict)?;
+    match verdict {
         Verdict::Right => Ok(()),
         Verdict::Wrong(error) => Err(error),
     }
@@ -86,7 +87,7 @@ fn load(settings: &Settings) -> Result<(Mesh, Vec<String>)> {
     };
     let mesh = if settings.triangulate { mesh.triangulated() } else { mesh };
     mesh.triangles()?;
-    Topology::new(&mesh)?;
+    Topology::new(&mesh)?.check_valences(&mesh, 3..=MAX_VALENCE, 2..=MAX_VALENCE)?;
     let notes = mesh.notes.clone();
     Ok((mesh, notes))
 }
@@ -97,15 +98,17 @@ fn simulate(
     core: &Rc<Module>,
     parameters: Parameters,
     bench: &LoopBench,
-    (back_pressure, gaps): (Stall, Stall),
 ) -> Result<Vec<Outcome>> {
     let sources = verilog::print(core, &package::loop_fd::command(parameters))?;
     let dut = loop_bench::device(core, &sources);
     let simulators = simulators(settings, core)?;
-    let mut stimulus = Stimulus { back_pressure, gaps, seed: settings.seed, ..Stimulus::new(vec![], vec![]) };
+    let mut stimulus = Stimulus {
+        back_pressure: settings.back_pressure,
+        gaps: settings.input_gaps,
+        seed: settings.seed,
+        ..Stimulus::new(bench.input.clone(), bench.expected.clone())
+    };
     stimulus.expected_clocks = Some(bench.clocks(core, &stimulus).total);
-    stimulus.input.clone_from(&bench.input);
-    stimulus.expected.clone_from(&bench.expected);
 
     let mut outcomes = vec![];
     for simulator in &simulators {
@@ -121,6 +124,9 @@ fn waveform(settings: &Settings, simulator: &str) -> PathBuf {
     let name = format!("mismatch-{simulator}.vcd");
     settings.keep.as_ref().map_or_else(|| PathBuf::from(&name), |folder| folder.join(&name))
 }
+
+/// The largest valence of the look-up tables.
+const MAX_VALENCE: u32 = 32;
 
 type Runner = Box<dyn Simulator>;
 
