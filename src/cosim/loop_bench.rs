@@ -11,7 +11,7 @@ use super::beat::{Beat, Port};
 use super::core;
 use super::dut::{Dut, Latency, Stimulus};
 use crate::cores::loop_fd::{Parameters, startup_depth};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::hdl::{Direction, Module, verilog};
 use crate::model::{loop_fd::LoopFd, loop_fd_clocks};
 use crate::surface::assembly::Assembly;
@@ -21,8 +21,12 @@ use crate::surface::hierarchy::{Counts, Patch};
 use crate::surface::packets;
 use crate::surface::table::Table;
 
+/// Beats are kept for every simulator, at some 250 bytes each.
+const MOST_BEATS: u64 = 1 << 25;
+
 /// The stimulus of one mesh at one level, and the way back.
 pub struct LoopBench {
+    /// What goes in and what must come out; whoever runs it takes them.
     pub input: Vec<Beat>,
     pub expected: Vec<Beat>,
     pub counts: Counts,
@@ -35,13 +39,20 @@ pub struct LoopBench {
 
 impl LoopBench {
     /// # Errors
-    /// A level above the core's maximum, coordinates that do not fit.
+    /// A level above the core's maximum, coordinates that do not fit, a mesh too large to be kept.
     pub fn new(
         core: &Rc<Module>,
         parameters: Parameters,
         mesh: &ControlMesh,
         level: u32,
     ) -> Result<LoopBench> {
+        let beats = mesh.triangles().len() as u64 * loop_fd_clocks::beats(level);
+        if beats > MOST_BEATS {
+            return Err(Error::input(format!(
+                "{beats} pairs of vertices are more than can be kept and compared"
+            ))
+            .help(format!("choose a lower level; {MOST_BEATS} pairs are the most")));
+        }
         let [input, output] = ports(core);
         let width = parameters.coordinates.width();
         let model = LoopFd::new(width, extra_fraction(parameters), parameters.max_level)?;

@@ -1,5 +1,6 @@
 //! The work of `simulate`: mesh, core, simulators, comparison, and the surface put together again.
 
+use std::mem::take;
 use std::path::PathBuf;
 use std::rc::Rc;
 
@@ -38,8 +39,8 @@ pub fn run(settings: &Settings) -> Result<()> {
     let parameters =
         Parameters::new(coordinates, output_fraction, settings.max_level, settings.registers.form())?;
     let core = build(parameters)?;
-    let bench = LoopBench::new(&core, parameters, &control, settings.level)?;
-    let outcomes = simulate(settings, &core, parameters, &bench)?;
+    let mut bench = LoopBench::new(&core, parameters, &control, settings.level)?;
+    let outcomes = simulate(settings, &core, parameters, &mut bench)?;
 
     let drawn = draw(settings, &bench, &control, &outcomes)?;
     let oracle = LimitOracle::new(&control, settings.level)?;
@@ -97,7 +98,7 @@ fn simulate(
     settings: &Settings,
     core: &Rc<Module>,
     parameters: Parameters,
-    bench: &LoopBench,
+    bench: &mut LoopBench,
 ) -> Result<Vec<Outcome>> {
     let sources = verilog::print(core, &package::loop_fd::command(parameters))?;
     let dut = loop_bench::device(core, &sources);
@@ -106,7 +107,7 @@ fn simulate(
         back_pressure: settings.back_pressure,
         gaps: settings.input_gaps,
         seed: settings.seed,
-        ..Stimulus::new(bench.input.clone(), bench.expected.clone())
+        ..Stimulus::new(take(&mut bench.input), take(&mut bench.expected))
     };
     stimulus.expected_clocks = Some(bench.clocks(core, &stimulus).total);
 
