@@ -124,6 +124,24 @@ impl Builder {
         }
     }
 
+    /// The product of two numbers: a multiplier. Multiples by constants need none, write `3 * &x`.
+    #[track_caller]
+    pub fn product(&self, left: impl Into<Expr>, right: impl Into<Expr>) -> Signal {
+        let mut operands = vec![self.signal(left), self.signal(right)];
+        let time = self.align(&mut operands);
+        let [a, b] = [operands[0].word(), operands[1].word()];
+        if a.modular || b.modular {
+            self.fail(|m| {
+                let (l, r) = (m.describe(operands[0].id), m.describe(operands[1].id));
+                Error::usage(format!("a product of {l} ({a}) and {r} ({b})"))
+                    .help("claim the range of a modular word first")
+            });
+        }
+        let (low, high) = (a.range * b.range.min, a.range * b.range.max);
+        let word = Word { range: low.union(high), fraction: a.fraction + b.fraction, modular: false };
+        self.add(Cell::Product { left: operands[0].id, right: operands[1].id }, word, time)
+    }
+
     /// The number modulo 2^`width`: from here on sums wrap round instead of growing.
     #[track_caller]
     pub fn modulo(&self, value: impl Into<Expr>, width: u32) -> Signal {

@@ -55,6 +55,11 @@ pub enum Cell {
         terms: Vec<Term>,
         constant: i128,
     },
+    /// `value(left) * value(right)`; never overflows.
+    Product {
+        left: NodeId,
+        right: NodeId,
+    },
     /// `floor(value(of) / 2^amount)`. With `exact`, the dropped bits are to be proved zero.
     ShiftRight {
         of: NodeId,
@@ -148,7 +153,7 @@ impl Cell {
             }
             Cell::Claim { of, when } => std::iter::once(*of).chain(*when).collect(),
             Cell::Select { condition, on_true, on_false } => vec![*condition, *on_true, *on_false],
-            Cell::Compare { left, right, .. } => vec![*left, *right],
+            Cell::Compare { left, right, .. } | Cell::Product { left, right } => vec![*left, *right],
             Cell::Logic { operands, .. } => operands.clone(),
             Cell::Concat { parts } => parts.clone(),
         }
@@ -179,7 +184,9 @@ impl Cell {
             Cell::Select { condition, on_true, on_false } => {
                 [condition, on_true, on_false].into_iter().for_each(change)
             }
-            Cell::Compare { left, right, .. } => [left, right].into_iter().for_each(change),
+            Cell::Compare { left, right, .. } | Cell::Product { left, right } => {
+                [left, right].into_iter().for_each(change)
+            }
             Cell::Logic { operands, .. } => operands.iter_mut().for_each(change),
             Cell::Concat { parts } => parts.iter_mut().for_each(change),
             Cell::Register { next, enable, .. } => next.iter_mut().chain(enable).for_each(change),

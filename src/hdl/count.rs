@@ -53,6 +53,7 @@ impl Counts {
                 self.multiplexers += 1;
                 self.multiplexer_bits += width;
             }
+            Cell::Product { .. } => self.multipliers += 1,
             Cell::Compare { .. } => self.comparators += 1,
             Cell::Register { .. } | Cell::MemoryRead { .. } => {
                 self.registers += 1;

@@ -179,6 +179,13 @@ macro_rules! bitwise {
                 self.builder.logic(super::cell::Bitwise::$operation, &[&self, other])
             }
         }
+        impl ops::$trait<Signal> for Signal {
+            type Output = Signal;
+            #[track_caller]
+            fn $method(self, other: Signal) -> Signal {
+                self.builder.logic(super::cell::Bitwise::$operation, &[&self, &other])
+            }
+        }
     };
 }
 bitwise!(BitAnd, bitand, And);

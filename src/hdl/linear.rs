@@ -134,6 +134,13 @@ impl<const N: usize> Domain for LinearForms<N> {
         let word = flat.node(id).word;
         match &flat.node(id).cell {
             Cell::Sum { .. } => self.sum(flat, id, values).unwrap_or(Value::Unknown),
+            Cell::Product { left, right } => match (value(*left), value(*right)) {
+                (Value::Form(form), Value::Integer(factor)) | (Value::Integer(factor), Value::Form(form)) => {
+                    multiple(form, factor).map_or(Value::Unknown, Value::Form)
+                }
+                (Value::Integer(left), Value::Integer(right)) => Value::Integer(left * right),
+                _ => Value::Unknown,
+            },
             Cell::Select { condition, on_true, on_false } => match value(*condition) {
                 Value::Integer(0) => value(*on_false),
                 Value::Integer(_) => value(*on_true),
@@ -184,6 +191,19 @@ impl<const N: usize> Domain for LinearForms<N> {
             other => *other,
         }
     }
+}
+
+/// `factor * form`: by the digits of the factor.
+fn multiple<const N: usize>(form: Form<N>, factor: i128) -> Option<Form<N>> {
+    let mut sum: Option<Form<N>> = None;
+    for bit in (0..127).filter(|bit| factor.unsigned_abs() >> bit & 1 == 1) {
+        let part = form.scaled(factor < 0, bit)?;
+        sum = Some(match sum {
+            Some(sum) => sum.plus(&part)?,
+            None => part,
+        });
+    }
+    sum.or(form.plus(&form.scaled(true, 0)?))
 }
 
 /// The cell's own rule on integers, where all its operands are integers.

@@ -240,6 +240,7 @@ impl Integers {
                 });
                 if node.word.modular { range.wrap(sum) } else { sum }
             }
+            Cell::Product { left, right } => value(*left).wrapping_mul(value(*right)),
             Cell::ShiftRight { of, amount, .. } => value(*of) >> amount,
             Cell::Wrap { of } | Cell::Claim { of, .. } => range.wrap(value(*of)),
             Cell::Select { condition, on_true, on_false } => {

@@ -119,6 +119,7 @@ fn is_wiring(cell: &Cell) -> bool {
 fn kind(cell: &Cell) -> &'static str {
     match cell {
         Cell::Sum { .. } => "sum",
+        Cell::Product { .. } => "product",
         Cell::Select { .. } => "choice",
         Cell::Compare { .. } => "compared",
         Cell::Concat { .. } => "joined",
@@ -238,6 +239,12 @@ impl<'a> Demands<'a> {
                     widths[0].width() != widths[1].width() || widths[0].is_signed() != widths[1].is_signed();
                 for of in [left, right] {
                     self.read(*of, 0, self.module.node(*of).word.width(), mixed, name);
+                }
+            }
+            // The operands are extended to the width of the product.
+            Cell::Product { left, right } => {
+                for &of in [left, right] {
+                    self.read(of, 0, self.module.node(of).word.width(), true, name);
                 }
             }
             Cell::Logic { operands, .. } => operands.iter().for_each(|&o| self.read_whole(o, name)),

@@ -22,6 +22,10 @@ impl Printer<'_> {
                 format!("{} ? {a} : {b}", self.whole(*condition))
             }
             Cell::Compare { relation, left, right } => self.compare(*relation, *left, *right),
+            // Modulo 2^width a product of sign-extended words is the signed product.
+            Cell::Product { left, right } => {
+                format!("{} * {}", self.sized(*left, width, 0), self.sized(*right, width, 0))
+            }
             Cell::Logic { operation, operands } => {
                 let symbol = match operation {
                     Bitwise::And => " & ",
