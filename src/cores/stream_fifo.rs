@@ -42,7 +42,7 @@ pub fn build(log_depth: u32, lanes: &[(String, Word)]) -> Result<Rc<Module>> {
     let credit_word = credits.word();
     m.on(&(&issue & !&take), &credits, m.wrap(&credits - 1, credit_word));
     m.on(&(!&issue & &take), &credits, m.wrap(&credits + 1, credit_word));
-    m.output("has_room", &m.wire("has_room", !m.is(&credits, 0)));
+    m.output("has_room", m.wire("has_room", !m.is(&credits, 0)));
 
     m.output("valid", &valid);
     for ((name, word), input) in lanes.iter().zip(&inputs) {

@@ -84,7 +84,7 @@ impl Builder {
             let mut next = signal(*last);
             for (condition, value) in earlier.iter().rev() {
                 if let Some(condition) = condition {
-                    next = self.select(&signal(*condition), &signal(*value), &next);
+                    next = self.select(&signal(*condition), signal(*value), &next);
                 }
             }
             let conditions: Vec<Signal> =
