@@ -183,6 +183,13 @@ impl Builder {
         if clocks == 0 || signal.time().is_none() {
             return signal.clone();
         }
+        // Wiring costs nothing on either side of a register: what it comes from is delayed, once for all.
+        if let (Some(of), true) = (signal.cell().wiring(), signal.name().is_none()) {
+            let source = self.delay(&Signal { builder: self.clone(), id: of }, clocks);
+            let mut cell = signal.cell();
+            cell.visit_mut(|id| *id = source.id);
+            return self.add(cell, signal.word(), source.time());
+        }
         let known = self.0.borrow().delays.get(&signal.id).copied();
         let next = match known {
             Some(id) => Signal { builder: self.clone(), id },
