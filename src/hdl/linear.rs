@@ -134,13 +134,11 @@ impl<const N: usize> Domain for LinearForms<N> {
         match &flat.node(id).cell {
             Cell::Sum { .. } => self.sum(flat, id, values).unwrap_or(Value::Unknown),
             Cell::Select { condition, on_true, on_false } => match value(*condition) {
-                Value::Integer(condition) => {
-                    match value(if condition == 0 { *on_false } else { *on_true }) {
-                        Value::Form(form) if word.modular => self.wrap(word, form),
-                        Value::Integer(number) => Value::Integer(word.range.wrap(number)),
-                        chosen => chosen,
-                    }
-                }
+                Value::Integer(condition) => match value(if condition == 0 { *on_false } else { *on_true }) {
+                    Value::Form(form) if word.modular => self.wrap(word, form),
+                    Value::Integer(number) => Value::Integer(word.range.wrap(number)),
+                    chosen => chosen,
+                },
                 _ => Value::Unknown,
             },
             Cell::Claim { of, when } => match when.map(value) {
