@@ -100,9 +100,10 @@ impl<const N: usize> LinearForms<N> {
         }
     }
 
+    /// The form in a word: exact where the word is a number that holds it, else known modulo its width.
     fn wrap(&self, word: Word, form: Form<N>) -> Value<N> {
         let width = word.width();
-        if word.range.contains(self.range(&form)) {
+        if !word.modular && word.range.contains(self.range(&form)) {
             Value::Form(form)
         } else if form.modulus == 0 || form.modulus >= width {
             Value::Form(Form { modulus: width, ..form })
