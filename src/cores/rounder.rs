@@ -44,7 +44,7 @@ pub fn build(modulus: u32, shift: u32, width: u32, fraction: u32) -> Result<Rc<M
     let biased = m.pipe("biased", &exact + ((3i128 << shift >> 1) + (bias << shift)));
     let dividend = m.wire("dividend", m.round(&biased, shift, Rounding::Floor));
     let quotient = third(&m, &dividend);
-    m.output("rounded", &m.pipe("rounded", &quotient - (-result.min)));
+    m.output("rounded", m.pipe("rounded", &quotient - (-result.min)));
     m.finish()
 }
 

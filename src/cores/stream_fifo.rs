@@ -13,7 +13,7 @@
 use std::rc::Rc;
 
 use crate::error::Result;
-use crate::hdl::{Builder, Module, Word};
+use crate::hdl::{Builder, Module, Relation, Word};
 
 /// A FIFO of 2^`log_depth` words made of `lanes`.
 ///
@@ -29,8 +29,8 @@ pub fn build(log_depth: u32, lanes: &[(String, Word)]) -> Result<Rc<Module>> {
     let pointer = Word::unsigned(log_depth);
     let [written, read] = ["written", "read"].map(|name| m.register_reset(name, pointer, 0));
     let valid = m.register_reset("valid", Word::bit(), 0);
-    let empty = m.compare(crate::hdl::Relation::Equal, &written, &read);
-    let take = m.wire("take", !empty & &(!&valid | &ready));
+    let filled = m.compare(Relation::NotEqual, &written, &read);
+    let take = m.wire("take", &filled & &(!&valid | &ready));
 
     m.on(&push, &written, m.wrap(&written + 1, pointer));
     m.on(&take, &read, m.wrap(&read + 1, pointer));
@@ -42,13 +42,13 @@ pub fn build(log_depth: u32, lanes: &[(String, Word)]) -> Result<Rc<Module>> {
     let credit_word = credits.word();
     m.on(&(&issue & !&take), &credits, m.wrap(&credits - 1, credit_word));
     m.on(&(!&issue & &take), &credits, m.wrap(&credits + 1, credit_word));
-    m.output("has_room", &m.wire("has_room", !m.is(&credits, 0)));
+    m.output("has_room", m.wire("has_room", m.is_not(&credits, 0)));
 
     m.output("valid", &valid);
     for ((name, word), input) in lanes.iter().zip(&inputs) {
         let ram = m.memory(&format!("ram_{name}"), depth as u32, *word, vec![]);
         ram.write(&push, &written, input);
-        let lane = m.restart(&ram.read(&format!("out_{name}"), &read, Some(&take)), 0);
+        let lane = m.restart(&ram.read(&format!("read_{name}"), &read, Some(&take)), 0);
         m.output(format!("out_{name}"), &lane);
     }
     m.finish()

@@ -49,11 +49,13 @@ pub fn port(core: &Module, stream: &str, direction: Direction) -> Port {
 
 /// The core in the built-in simulator.
 pub struct Model {
-    top: Rc<Module>,
+    top: String,
     simulator: Simulator<Integers>,
     shapes: [Port; 2],
     input: StreamNodes,
     output: StreamNodes,
+    /// Whether a beat stands at the input.
+    offered: bool,
     waveform: Option<(Waveform, u64)>,
     /// A waveform that could not be written is reported at the end, not in the middle of a run.
     failed: Option<std::io::Error>,
@@ -71,7 +73,11 @@ struct StreamNodes {
 
 impl Model {
     pub fn new(core: &Rc<Module>) -> Result<Model> {
-        let flat = Flat::new(core)?;
+        Model::from_flat(core, Flat::new(core)?)
+    }
+
+    /// A core in the built-in simulator from its flat form, which may have been changed since.
+    pub fn from_flat(core: &Module, flat: Flat) -> Result<Model> {
         let find = |name: &str| flat.input(name).or_else(|| flat.output(name));
         let nodes = |stream: &str, port: &Port| -> Result<StreamNodes> {
             let missing = |name: &str| Error::usage(format!("{} has no port {name}", core.name));
@@ -92,7 +98,8 @@ impl Model {
         let shapes = [port(core, "s_axis", Direction::Input), port(core, "m_axis", Direction::Output)];
         let (input, output) = (nodes("s_axis", &shapes[0])?, nodes("m_axis", &shapes[1])?);
         let simulator = Simulator::new(flat, Integers);
-        Ok(Model { top: core.clone(), simulator, shapes, input, output, waveform: None, failed: None })
+        let (top, offered) = (core.name.clone(), false);
+        Ok(Model { top, simulator, shapes, input, output, offered, waveform: None, failed: None })
     }
 
     fn flag(&self, node: NodeId) -> bool {
@@ -110,6 +117,15 @@ impl Model {
         }
         if let Some(last) = self.input.last {
             self.simulator.set(last, beat.last.into());
+        }
+    }
+
+    /// While nothing is offered the payload is wrong on purpose: the last one with every bit inverted.
+    fn withdraw(&mut self) {
+        let payload = self.input.lanes.iter().copied().chain(self.input.user).chain(self.input.last);
+        for node in payload.collect::<Vec<_>>() {
+            let word = self.simulator.flat.node(node).word;
+            self.simulator.set(node, word.range.wrap(!*self.simulator.get(node)));
         }
     }
 
@@ -140,9 +156,12 @@ impl Clocked for Model {
     fn clock(&mut self, input: Option<&Beat>, output_ready: bool) -> Handshake {
         self.simulator.set(self.input.valid, input.is_some().into());
         self.simulator.set(self.output.ready, output_ready.into());
-        if let Some(beat) = input {
-            self.offer(beat);
+        match input {
+            Some(beat) => self.offer(beat),
+            None if self.offered => self.withdraw(),
+            None => {}
         }
+        self.offered = input.is_some();
         self.simulator.settle();
         let output = self.flag(self.output.valid).then(|| self.observe());
         let handshake = Handshake { input_ready: self.flag(self.input.ready), output };
@@ -169,7 +188,7 @@ impl Clocked for Model {
             }
         }
         if let Some(path) = vcd {
-            let waveform = Waveform::create(path, &self.simulator.flat, &self.top.name);
+            let waveform = Waveform::create(path, &self.simulator.flat, &self.top);
             self.waveform = Some((waveform.map_err(|e| failed(path, e))?, clock));
         }
         Ok(())

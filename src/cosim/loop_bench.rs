@@ -10,10 +10,12 @@ use std::rc::Rc;
 use super::beat::{Beat, Port};
 use super::core;
 use super::dut::{Dut, Latency, Stimulus};
+use super::loop_traffic::Traffic;
+pub use super::loop_traffic::extra_fraction;
 use crate::cores::loop_fd::{Parameters, startup_depth};
 use crate::error::{Error, Result};
-use crate::hdl::{Direction, Module, verilog};
-use crate::model::{loop_fd::LoopFd, loop_fd_clocks};
+use crate::hdl::{Module, verilog};
+use crate::model::loop_fd_clocks;
 use crate::surface::assembly::Assembly;
 use crate::surface::control_mesh::ControlMesh;
 use crate::surface::fine_grid::FineGrid;
@@ -53,9 +55,8 @@ impl LoopBench {
             ))
             .help(format!("choose a lower level; {MOST_BEATS} pairs are the most")));
         }
-        let [input, output] = ports(core);
         let width = parameters.coordinates.width();
-        let model = LoopFd::new(width, extra_fraction(parameters), parameters.max_level)?;
+        let traffic = Traffic::new(core, parameters)?;
         let table = Table::for_width(width)?;
         let mut bench = LoopBench {
             input: vec![],
@@ -63,15 +64,11 @@ impl LoopBench {
             counts: Counts::default(),
             patches: vec![],
             starts: vec![],
-            output,
+            output: traffic.output.clone(),
         };
         let mut failure = None;
         bench.counts = packets::patches(mesh, level, parameters.max_level, &table, |patch| {
-            for (index, point) in patch.points.iter().enumerate() {
-                let mut beat = input.beat_of(point);
-                (beat.user, beat.last) = (patch.level.into(), index == 11);
-                bench.input.push(beat);
-            }
+            bench.input.extend(traffic.packet(patch.level, &patch.points));
             bench.starts.push(bench.expected.len() as u64);
             bench.patches.push(Patch {
                 face: patch.face,
@@ -81,19 +78,7 @@ impl LoopBench {
                 corners: patch.corners,
                 points: [(); 12],
             });
-            let (expected, output) = (&mut bench.expected, &bench.output);
-            let modelled = model.for_each_beat(patch.level, &patch.points, |vertices| {
-                let [x, y, z] = vertices.left.map(i128::from);
-                let [u, v, w] = vertices.right.unwrap_or_default().map(i128::from);
-                let mut beat = output.beat_of(&[x, y, z, u, v, w]);
-                if vertices.right.is_none() {
-                    (3..6).for_each(|lane| output.drop_lane(&mut beat, lane));
-                }
-                beat.user = u64::from(vertices.patch_start) + 2 * u64::from(vertices.patch_end);
-                beat.last = vertices.strip_end;
-                expected.push(beat);
-            });
-            if let Err(error) = modelled {
+            if let Err(error) = traffic.answer(patch.level, &patch.points, &mut bench.expected) {
                 failure.get_or_insert(error);
             }
         })?;
@@ -189,15 +174,6 @@ impl LoopBench {
         }
         Ok(assembly)
     }
-}
-
-/// Fraction bits of the output beyond those of the coordinates.
-pub fn extra_fraction(parameters: Parameters) -> i32 {
-    parameters.output_fraction as i32 - parameters.coordinates.fraction as i32
-}
-
-fn ports(core: &Module) -> [Port; 2] {
-    [core::port(core, "s_axis", Direction::Input), core::port(core, "m_axis", Direction::Output)]
 }
 
 /// The depths that the core declares.

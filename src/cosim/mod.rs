@@ -57,6 +57,8 @@ mod external;
 mod failure;
 mod icarus;
 pub mod loop_bench;
+mod loop_traffic;
+pub mod loop_trial;
 mod outcome;
 mod process;
 mod settings;

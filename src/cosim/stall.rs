@@ -91,10 +91,10 @@ impl FromStr for Stall {
 }
 
 /// Marsaglia's 64-bit xorshift; the seed is spread first because the state must not be zero.
-struct Xorshift(u64);
+pub(super) struct Xorshift(u64);
 
 impl Xorshift {
-    fn new(seed: u64) -> Self {
+    pub fn new(seed: u64) -> Self {
         let spread = (seed ^ (seed >> 31)).wrapping_mul(0x9e37_79b9_7f4a_7c15);
         let mut dice = Xorshift(spread ^ 0x2545_f491_4f6c_dd1d);
         if dice.0 == 0 {
@@ -105,14 +105,14 @@ impl Xorshift {
         }
         dice
     }
-    fn next(&mut self) -> u64 {
+    pub fn next(&mut self) -> u64 {
         self.0 ^= self.0 << 13;
         self.0 ^= self.0 >> 7;
         self.0 ^= self.0 << 17;
         self.0
     }
     /// A number in `0..bound`, from the high half: its bits are the better ones.
-    fn below(&mut self, bound: u64) -> u64 {
+    pub fn below(&mut self, bound: u64) -> u64 {
         ((self.next() >> 32) * bound) >> 32
     }
 }

@@ -16,7 +16,7 @@ impl Builder {
     pub fn signal(&self, value: impl Into<Expr>) -> Signal {
         match value.into() {
             Expr::Signal(signal) => signal,
-            Expr::Sum(sum) => self.build_sum(sum),
+            Expr::Sum(sum) => self.build_sum(sum, None),
         }
     }
 
@@ -34,8 +34,9 @@ impl Builder {
         self.add(Cell::Wrap { of: signal.id }, signal.word(), signal.time())
     }
 
+    /// The sum as one cell; modulo 2^`modulus` where that is asked for or a term is modular.
     #[track_caller]
-    fn build_sum(&self, sum: Sum) -> Signal {
+    fn build_sum(&self, sum: Sum, modulus: Option<u32>) -> Signal {
         if let ([(1, only)], 0) = (sum.terms.as_slice(), sum.constant) {
             return only.clone();
         }
@@ -56,7 +57,8 @@ impl Builder {
             }
         }
         let coefficients = sum.terms.iter().map(|(c, _)| *c);
-        let modulus = signals.iter().map(Signal::word).filter(|w| w.modular).map(Word::width).min();
+        let words = signals.iter().map(Signal::word);
+        let modulus = words.filter(|w| w.modular).map(Word::width).chain(modulus).min();
         let terms = coefficients.clone().zip(&signals).flat_map(|(c, s)| digits(c, s)).collect();
         let cell = Cell::Sum { terms, constant: sum.constant };
         if let Some(width) = modulus {
@@ -160,8 +162,12 @@ impl Builder {
     /// The bits of `value` read as another word: a deliberate change of meaning, for control and buses.
     #[track_caller]
     pub fn wrap(&self, value: impl Into<Expr>, word: Word) -> Signal {
-        let of = self.signal(value);
-        self.add(Cell::Wrap { of: of.id }, word, of.time())
+        let of = match value.into() {
+            // Only the low bits of a sum are wanted, so only they are added.
+            Expr::Sum(sum) => self.build_sum(sum, Some(word.width())),
+            Expr::Signal(signal) => signal,
+        };
+        self.add(Cell::Wrap { of: of.id }, word.fraction(of.word().fraction), of.time())
     }
 
     /// States that the number lies in `word` (whenever `when` is 1, if given). The statement is an
@@ -276,6 +282,14 @@ impl Builder {
             });
         }
         self.add(Cell::Compare { relation, left: left.id, right: right.id }, Word::bit(), time)
+    }
+
+    /// 1 where the signal differs from the constant.
+    #[track_caller]
+    pub fn is_not(&self, signal: &Signal, value: i128) -> Signal {
+        let word = Word { range: Range::point(value), ..signal.word() };
+        let constant = self.constant(value, word);
+        self.compare(Relation::NotEqual, signal, &constant)
     }
 
     /// 1 where the signal equals the constant.

@@ -159,6 +159,14 @@ impl Cell {
         }
     }
 
+    /// What the cell is a mere view of: some of its bits, or all of them read otherwise.
+    pub fn wiring(&self) -> Option<NodeId> {
+        match self {
+            Cell::Slice { of, .. } | Cell::ShiftRight { of, .. } | Cell::Wrap { of } => Some(*of),
+            _ => None,
+        }
+    }
+
     /// What this cell reads at the clock edge.
     pub fn clocked_inputs(&self) -> Vec<NodeId> {
         match self {

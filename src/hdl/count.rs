@@ -88,13 +88,13 @@ mod tests {
     fn every_instance_counts() {
         let m = Builder::new("inner");
         let a = m.input("a", Word::signed(8));
-        m.output("y", &m.pipe("y", 3 * &a + 1));
+        m.output("y", m.pipe("y", 3 * &a + 1));
         let inner = m.finish().unwrap();
         let m = Builder::new("outer");
         let a = m.input("a", Word::signed(8));
         for name in ["first", "second"] {
             let placed = m.instance(name, &inner, &[("a", &a)]);
-            m.output(name.to_string() + "_y", &placed.out("y"));
+            m.output(name.to_string() + "_y", placed.out("y"));
         }
         let counts = Counts::of(&m.finish().unwrap());
         // 3a + 1 = 4a - a + 1: two adders of ten bits.

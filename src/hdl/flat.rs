@@ -129,8 +129,11 @@ impl Flat {
         }
     }
 
-    /// Depth first, without recursion: designs can be deep.
-    fn sort(&mut self) -> Result<()> {
+    /// Orders the cells anew, after their connections have changed. Depth first, without recursion: designs
+    /// can be deep.
+    pub(super) fn sort(&mut self) -> Result<()> {
+        self.order.clear();
+        self.clocked.clear();
         #[derive(Clone, Copy, PartialEq)]
         enum Mark {
             New,

@@ -73,9 +73,8 @@ impl<const N: usize> LinearForms<N> {
         }
         let word = flat.node(id).word;
         Some(match form {
-            Some(form) => Value::Form(form.plus_constant(number)?),
-            None if word.modular => Value::Integer(word.range.wrap(number)),
-            None => Value::Integer(number),
+            Some(form) => self.wrap(word, form.plus_constant(number)?),
+            None => Value::Integer(word.range.wrap(number)),
         })
     }
 
@@ -101,9 +100,10 @@ impl<const N: usize> LinearForms<N> {
         }
     }
 
+    /// The form in a word: exact where the word is a number that holds it, else known modulo its width.
     fn wrap(&self, word: Word, form: Form<N>) -> Value<N> {
         let width = word.width();
-        if word.range.contains(self.range(&form)) {
+        if !word.modular && word.range.contains(self.range(&form)) {
             Value::Form(form)
         } else if form.modulus == 0 || form.modulus >= width {
             Value::Form(Form { modulus: width, ..form })
@@ -116,7 +116,7 @@ impl<const N: usize> LinearForms<N> {
 impl<const N: usize> Domain for LinearForms<N> {
     type Value = Value<N>;
 
-    fn unset(&self) -> Value<N> {
+    fn unset(&self, _: Word) -> Value<N> {
         Value::Unknown
     }
     fn integer(&self, value: i128) -> Value<N> {
@@ -142,8 +142,11 @@ impl<const N: usize> Domain for LinearForms<N> {
                 _ => Value::Unknown,
             },
             Cell::Select { condition, on_true, on_false } => match value(*condition) {
-                Value::Integer(0) => value(*on_false),
-                Value::Integer(_) => value(*on_true),
+                Value::Integer(condition) => match value(if condition == 0 { *on_false } else { *on_true }) {
+                    Value::Form(form) if word.modular => self.wrap(word, form),
+                    Value::Integer(number) => Value::Integer(word.range.wrap(number)),
+                    chosen => chosen,
+                },
                 _ => Value::Unknown,
             },
             Cell::Claim { of, when } => match when.map(value) {

@@ -6,7 +6,7 @@
 
 use super::Word;
 use super::cell::{Bitwise, Cell, NodeId, Relation};
-use super::flat::Flat;
+use super::flat::{Flat, FlatNode};
 use crate::error::{Error, Result};
 use crate::fixed::Range;
 
@@ -14,8 +14,8 @@ use crate::fixed::Range;
 pub trait Domain {
     type Value: Clone + PartialEq;
 
-    /// What a register without a reset, or a word of a RAM, holds at first.
-    fn unset(&self) -> Self::Value;
+    /// What a node, such as a register without a reset, or a word of a RAM, holds at first.
+    fn unset(&self, word: Word) -> Self::Value;
     fn integer(&self, value: i128) -> Self::Value;
     /// The integer, where the value is one: addresses and conditions must be.
     fn as_integer(&self, value: &Self::Value) -> Option<i128>;
@@ -43,17 +43,16 @@ pub struct Simulator<D: Domain> {
 
 impl<D: Domain> Simulator<D> {
     pub fn new(flat: Flat, domain: D) -> Self {
-        let mut values = vec![domain.unset(); flat.nodes.len()];
-        for (node, value) in flat.nodes.iter().zip(&mut values) {
-            if let Cell::Constant(constant) = node.node.cell {
-                *value = domain.integer(constant);
-            }
-        }
+        let start = |node: &FlatNode| match node.node.cell {
+            Cell::Constant(constant) => domain.integer(constant),
+            _ => domain.unset(node.node.word),
+        };
+        let values = flat.nodes.iter().map(start).collect();
         let memories = flat
             .memories
             .iter()
             .map(|m| {
-                let mut words = vec![domain.unset(); m.depth as usize];
+                let mut words = vec![domain.unset(m.word); m.depth as usize];
                 m.contents.iter().zip(&mut words).for_each(|(&c, word)| *word = domain.integer(c));
                 words
             })
@@ -125,7 +124,7 @@ impl<D: Domain> Simulator<D> {
             let enabled = match self.enabled(enable, id) {
                 Ok(enabled) => enabled,
                 Err(_) if reset => {
-                    next.push((id, self.domain.unset()));
+                    next.push((id, self.domain.unset(node.word)));
                     continue;
                 }
                 Err(error) => return Err(error),
@@ -141,7 +140,7 @@ impl<D: Domain> Simulator<D> {
                 },
                 _ => Some(self.domain.latch(node.word, &self.values[value.index()])),
             };
-            next.push((id, taken.unwrap_or_else(|| self.domain.unset())));
+            next.push((id, taken.unwrap_or_else(|| self.domain.unset(node.word))));
         }
         for (index, memory) in self.flat.memories.iter().enumerate() {
             let Some(write) = &memory.write else { continue };
@@ -206,8 +205,9 @@ pub struct Integers;
 impl Domain for Integers {
     type Value = i128;
 
-    fn unset(&self) -> i128 {
-        0
+    /// Bits that are not all 0, so that whoever relies on a register that no reset sets is seen.
+    fn unset(&self, word: Word) -> i128 {
+        word.range.wrap(0x5555_5555_5555_5555_5555_5555_5555_5555)
     }
     fn integer(&self, value: i128) -> i128 {
         value
@@ -238,7 +238,8 @@ impl Integers {
                     let shifted = value(term.of).wrapping_shl(term.shift);
                     if term.negate { sum.wrapping_sub(shifted) } else { sum.wrapping_add(shifted) }
                 });
-                if node.word.modular { range.wrap(sum) } else { sum }
+                // Outside of the range only in a modular word, or behind a fault: as many bits as there are.
+                if range.contains(Range::point(sum)) { sum } else { range.wrap(sum) }
             }
             Cell::Product { left, right } => value(*left).wrapping_mul(value(*right)),
             Cell::ShiftRight { of, amount, .. } => value(*of) >> amount,

@@ -84,7 +84,7 @@ impl Builder {
             let mut next = signal(*last);
             for (condition, value) in earlier.iter().rev() {
                 if let Some(condition) = condition {
-                    next = self.select(&signal(*condition), &signal(*value), &next);
+                    next = self.select(&signal(*condition), signal(*value), &next);
                 }
             }
             let conditions: Vec<Signal> =
@@ -182,6 +182,13 @@ impl Builder {
     fn delay_named(&self, signal: &Signal, clocks: u32, base: &str, nth: u32) -> Signal {
         if clocks == 0 || signal.time().is_none() {
             return signal.clone();
+        }
+        // Wiring costs nothing on either side of a register: what it comes from is delayed, once for all.
+        if let (Some(of), true) = (signal.cell().wiring(), signal.name().is_none()) {
+            let source = self.delay(&Signal { builder: self.clone(), id: of }, clocks);
+            let mut cell = signal.cell();
+            cell.visit_mut(|id| *id = source.id);
+            return self.add(cell, signal.word(), source.time());
         }
         let known = self.0.borrow().delays.get(&signal.id).copied();
         let next = match known {

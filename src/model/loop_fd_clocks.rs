@@ -19,12 +19,28 @@ pub struct Depths {
     pub fifo: u32,
 }
 
+/// One packet of the input stream.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Packet {
+    /// Its beats, at least one.
+    pub points: u32,
+    /// The level of a packet of 12 points; none for a packet that is dropped whole.
+    pub level: Option<u32>,
+}
+
+/// An input beat as the protocol sees it: the last one of a patch of this level, or any other.
+#[derive(Clone, Copy)]
+enum Point {
+    Last(u32),
+    Other,
+}
+
 /// What happened in one run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Clocks {
     /// From the first clock after reset to the last output beat, both counted.
     pub total: u64,
-    /// From the acceptance of the 12th point to the first valid output.
+    /// From the acceptance of the first patch's last point to the first valid output.
     pub latency: u64,
 }
 
@@ -34,25 +50,37 @@ pub fn beats(level: u32) -> u64 {
     steps * (steps + 3) / 2
 }
 
-/// Runs packets of the given levels. In clock c a waiting beat may be offered if `offer[c % len]`, and
+/// Runs patches of the given levels. In clock c a waiting beat may be offered if `offer[c % len]`, and
 /// then stays offered until it is accepted; the output is taken if `ready[c % len]`.
 pub fn run(levels: &[u32], depths: Depths, offer: &[bool], ready: &[bool]) -> Clocks {
+    let packets: Vec<Packet> =
+        levels.iter().map(|&level| Packet { points: 12, level: Some(level) }).collect();
+    run_packets(&packets, depths, offer, ready)
+}
+
+/// The same for packets of any kind. The clocks end with the last output beat.
+pub fn run_packets(packets: &[Packet], depths: Depths, offer: &[bool], ready: &[bool]) -> Clocks {
     let mut machine = Machine { depths, credits: depths.fifo - 1, ..Machine::default() };
-    let wanted: u64 = levels.iter().map(|&level| beats(level)).sum();
+    let wanted: u64 = packets.iter().filter_map(|packet| packet.level).map(beats).sum();
+    let mut points = packets.iter().flat_map(|packet| {
+        (1..=packet.points).map(|point| match packet.level {
+            Some(level) if point == packet.points => Point::Last(level),
+            _ => Point::Other,
+        })
+    });
+    let mut waiting = points.next();
     let (mut received, mut offering, mut clock) = (0, false, 0u64);
-    let mut accepted = 0;
-    let (mut first_packet, mut first_output) = (0, None);
+    let (mut first_packet, mut first_output) = (None, None);
     while received < wanted {
         let at = |pattern: &[bool]| pattern[clock as usize % pattern.len()];
-        offering |= accepted < 12 * levels.len() && at(offer);
-        let next_level = levels.get(accepted / 12).copied();
-        let (took, valid) = machine.clock(next_level.filter(|_| offering), at(ready));
+        offering |= waiting.is_some() && at(offer);
+        let (took, valid) = machine.clock(waiting.filter(|_| offering), at(ready));
         if took {
-            accepted += 1;
-            offering = false;
-            if accepted == 12 {
-                first_packet = clock;
+            if matches!(waiting, Some(Point::Last(_))) {
+                first_packet.get_or_insert(clock);
             }
+            waiting = points.next();
+            offering = false;
         }
         if valid {
             first_output.get_or_insert(clock);
@@ -60,7 +88,8 @@ pub fn run(levels: &[u32], depths: Depths, offer: &[bool], ready: &[bool]) -> Cl
         }
         clock += 1;
     }
-    Clocks { total: clock, latency: first_output.map_or(0, |first| first - first_packet) }
+    let latency = first_output.zip(first_packet).map_or(0, |(output, packet)| output - packet);
+    Clocks { total: clock, latency }
 }
 
 #[derive(Default)]
@@ -68,7 +97,6 @@ struct Machine {
     depths: Depths,
     now: u64,
     // Loader.
-    count: u32,
     full: bool,
     axis: u32,
     loading_level: u32,
@@ -98,7 +126,7 @@ impl Default for Depths {
 
 impl Machine {
     /// One clock; returns whether the offered point was accepted, and whether the output was valid.
-    fn clock(&mut self, offered: Option<u32>, ready: bool) -> (bool, bool) {
+    fn clock(&mut self, offered: Option<Point>, ready: bool) -> (bool, bool) {
         let strobe = self.full && (self.axis > 0 || !self.reserved);
         let leaving = strobe && self.axis == 2;
         let accept = offered.filter(|_| !self.full || leaving);
@@ -161,11 +189,8 @@ impl Machine {
         self.full &= !leaving;
 
         // Loader:
-        if let Some(level) = accept {
-            self.count += 1;
-            if self.count == 12 {
-                (self.count, self.full, self.loading_level) = (0, true, level);
-            }
+        if let Some(Point::Last(level)) = accept {
+            (self.full, self.loading_level) = (true, level);
         }
         self.now += 1;
         (accept.is_some(), valid)
@@ -193,6 +218,14 @@ mod tests {
         let slow = run(&[3; 20], DEPTHS, &[true], &ready);
         assert!(slow.total >= 5 * 20 * beats(3));
         assert!(slow.total < 5 * 20 * beats(3) + 100);
+    }
+
+    #[test]
+    fn a_dropped_packet_costs_the_clocks_of_its_points() {
+        let good = Packet { points: 12, level: Some(2) };
+        let clocks = |first: &[Packet]| run_packets(&[first, &[good]].concat(), DEPTHS, &[true], &[true]);
+        let (alone, behind) = (clocks(&[]), clocks(&[Packet { points: 5, level: None }]));
+        assert_eq!((behind.total, behind.latency), (alone.total + 5, alone.latency));
     }
 
     #[test]

@@ -164,7 +164,9 @@ pub enum SimulatorName {
     Builtin,
     /// Verilator, the fastest
     Verilator,
-    /// Icarus Verilog
+    /// The emitted testbench in Verilator; slower, and not among 'all'
+    VerilatorTestbench,
+    /// Icarus Verilog, with the emitted testbench
     Icarus,
     /// All of them; it is an error when one is missing
     All,
@@ -305,8 +307,13 @@ fn simulators(names: &[SimulatorName]) -> Result<Simulators> {
         return Ok(Simulators::Installed);
     }
     let all = [SimulatorName::Builtin, SimulatorName::Verilator, SimulatorName::Icarus];
-    let wanted = |name: &SimulatorName| names.contains(&SimulatorName::All) || names.contains(name);
-    Ok(Simulators::Named(all.into_iter().filter(wanted).collect()))
+    let every = names.contains(&SimulatorName::All);
+    let mut wanted: Vec<SimulatorName> =
+        names.iter().copied().filter(|name| *name != SimulatorName::All).collect();
+    wanted.extend(all.into_iter().filter(|_| every));
+    wanted.sort();
+    wanted.dedup();
+    Ok(Simulators::Named(wanted))
 }
 
 /// Refuses a file in a folder that does not exist: better now than after the work.

@@ -140,6 +140,9 @@ fn simulators(settings: &Settings, core: &Rc<Module>) -> Result<Vec<Runner>> {
     let make = |name: &SimulatorName| -> Runner {
         match name {
             SimulatorName::Verilator => Box::new(External::new(Tool::Verilator, tools.clone())),
+            SimulatorName::VerilatorTestbench => {
+                Box::new(External::new(Tool::VerilatorTestbench, tools.clone()))
+            }
             SimulatorName::Icarus => Box::new(External::new(Tool::Icarus, tools.clone())),
             _ => {
                 let (core, vcd) = (core.clone(), settings.vcd.clone());

@@ -33,7 +33,7 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
 
     let valid = m.wire("valid", &running & &has_room);
     let strip_end = m.wire("strip_end", m.is(&pairs_left, 0));
-    let last_strip = m.wire("last_strip", m.compare(Relation::LessOrEqual, &length, &m.constant(1, steps)));
+    let last_strip = m.wire("last_strip", m.compare(Relation::LessOrEqual, &length, m.constant(1, steps)));
     let patch_end = m.wire("patch_end", &strip_end & &last_strip);
     let finishing = m.wire("finishing", &valid & &patch_end);
     let load = m.wire("load", &waiting & &(&idle | &finishing));
@@ -63,9 +63,9 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
     m.output("strip", &strip);
     m.output("step", &step);
     m.output("valid", &valid);
-    m.output("pair", &m.wire("pair", !&strip_end));
+    m.output("pair", m.wire("pair", !&strip_end));
     m.output("strip_end", &strip_end);
-    m.output("patch_start", &m.wire("patch_start", &fresh));
+    m.output("patch_start", m.wire("patch_start", &fresh));
     m.output("patch_end", &patch_end);
     m.finish()
 }

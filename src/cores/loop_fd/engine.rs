@@ -75,8 +75,8 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
     };
     let (left, right) = (round("round_left", &left, &valid), round("round_right", &right, &both));
     let last = left.time().max(right.time()).unwrap_or(0);
-    m.output("left", &m.at_time(&left, last));
-    m.output("right", &m.at_time(&right, last));
+    m.output("left", m.at_time(&left, last));
+    m.output("right", m.at_time(&right, last));
     m.finish()
 }
 

@@ -45,7 +45,7 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
     let known = m.compare(
         Relation::LessOrEqual,
         &user,
-        &m.constant(parameters.max_level.into(), Word::range(0, parameters.max_level.into())),
+        m.constant(parameters.max_level.into(), Word::range(0, parameters.max_level.into())),
     );
     let known = if parameters.max_level + 1 == 1 << LEVEL_BITS { m.bit(true) } else { known };
     let complete = m.all(&[&accept, &last, &m.is(&count, 11), &known]);
@@ -55,21 +55,20 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
     let level = m.register("level_kept", parameters.level());
     m.on(&complete, &level, m.wrap(&user, parameters.level()));
 
-    let banks: Vec<Vec<Signal>> =
-        AXES.into_iter().zip(&points).map(|(axis, point)| bank(&m, axis, point, &accept)).collect();
+    let banks = [0, 1, 2].map(|i| bank(&m, AXES[i], &points[i], &accept));
     let (first, second) = (m.is(&axis, 0), m.is(&axis, 1));
-    for index in 0..12 {
-        let chosen = m.select(&second, &banks[1][index], &banks[2][index]);
-        let chosen = m.select(&first, &banks[0][index], &chosen);
+    let [x, y, z] = banks;
+    for (index, ((x, y), z)) in x.iter().zip(&y).zip(&z).enumerate() {
+        let chosen = m.select(&first, x, m.select(&second, y, z));
         let p = m.pipe(format!("p{index}"), &chosen);
         m.output(format!("p{index}"), &p);
     }
-    m.output("strobe", &m.pipe_reset("strobe", &strobe, 0));
-    m.output("axis_out", &m.pipe("axis_out", &axis));
-    m.output("level", &m.pipe("level", &level));
+    m.output("strobe", m.pipe_reset("strobe", &strobe, 0));
+    m.output("axis_out", m.pipe("axis_out", &axis));
+    m.output("level", m.pipe("level", &level));
     m.output("ready", &ready);
     // The slot is taken from the first axis on.
-    m.output("begins", &m.wire("begins", &strobe & &first));
+    m.output("begins", m.wire("begins", &strobe & &first));
     m.finish()
 }
 

@@ -63,9 +63,14 @@ fn patches(parameters: Parameters) -> Vec<Patch> {
 
 /// Runs the proof; an error is a refutation, with the first signal or vertex that is wrong.
 pub fn prove(core: &Rc<Module>, parameters: Parameters) -> Result<Proof> {
+    prove_flat(Flat::new(core)?, parameters)
+}
+
+/// The same for a core laid out flat, which may have been changed since.
+pub fn prove_flat(flat: Flat, parameters: Parameters) -> Result<Proof> {
     let patches = patches(parameters);
     let groups = patches.iter().flat_map(|patch| [patch.range; 3]).collect();
-    let mut run = Run::new(core, groups)?;
+    let mut run = Run::new(flat, groups)?;
     let mut sent =
         patches.iter().enumerate().flat_map(|(index, patch)| (0..12).map(move |point| (index, patch, point)));
     let mut expected =
@@ -161,8 +166,7 @@ struct Run {
 }
 
 impl Run {
-    fn new(core: &Rc<Module>, groups: Vec<Range>) -> Result<Run> {
-        let flat = Flat::new(core)?;
+    fn new(flat: Flat, groups: Vec<Range>) -> Result<Run> {
         let port = |found: Option<NodeId>, name: &str| {
             found.ok_or_else(|| Error::usage(format!("the core has no port {name}")))
         };

@@ -80,7 +80,7 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
     ];
     let last = rows.iter().filter_map(Signal::time).max().unwrap_or(0);
     for ((k, l), row) in DIFFERENCES.into_iter().zip(&rows) {
-        m.output(format!("n{k}{l}"), &m.at_time(row, last));
+        m.output(format!("n{k}{l}"), m.at_time(row, last));
     }
     m.finish()
 }

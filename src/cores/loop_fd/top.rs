@@ -115,9 +115,9 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
         ports.iter().map(String::as_str).zip(lanes.iter().map(|(_, s)| s)).collect();
     inputs.extend([("issue", &beat), ("push", &push), ("ready", &ready)]);
     let fifo = m.instance("output_fifo", &stream_fifo::build(log_depth, &shapes)?, &inputs);
-    m.drive(&has_room, &fifo.out("has_room"));
+    m.drive(&has_room, fifo.out("has_room"));
 
-    m.output("s_axis_tready", &loader.out("ready"));
+    m.output("s_axis_tready", loader.out("ready"));
     let out: Vec<Signal> = lanes.iter().map(|(name, _)| fifo.out(&format!("out_{name}"))).collect();
     let vertices: Vec<(&str, &Signal)> = lanes[..6].iter().map(|(name, _)| name.as_str()).zip(&out).collect();
     let [pair, end_of_strip, start, end] = [&out[6], &out[7], &out[8], &out[9]];

@@ -78,6 +78,10 @@ impl Printer<'_> {
                 Cell::Wrap { of } | Cell::Claim { of, .. } => self.sized(*of, width, shift),
                 Cell::Concat { .. } => self.operation(id),
                 Cell::Not { .. } => self.operation(id),
+                // A shifted operand is a concatenation already.
+                Cell::Sum { terms, constant: 0 } if terms.len() == 1 && !terms[0].negate => {
+                    self.operation(id)
+                }
                 _ => format!("({})", self.operation(id)),
             };
         };
