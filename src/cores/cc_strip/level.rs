@@ -109,16 +109,17 @@ pub fn build(parameters: Parameters, level: u32) -> Result<Rc<Module>> {
     let between = flatten(&Column { rows: between.rows, top, bottom });
 
     let drop = parameters.extra_fraction(level) + 6 - parameters.extra_fraction(level + 1);
-    let finer = column_names(parameters, level + 1);
-    for ((name, on_face), on_vertex) in finer.iter().zip(&between).zip(&vertex) {
-        let chosen = m.wire(format!("chosen_{name}"), m.select(&face, on_face, on_vertex));
-        // The sums are over 64: six fraction bits more.
-        let chosen = m.rescale(&chosen, word.fraction + 6);
-        let rounded = m.round(&chosen, drop, Rounding::HalfUp);
-        m.output(
-            format!("out_{name}"),
-            m.wire(format!("out_{name}"), m.wrap(&rounded, parameters.word(level + 1))),
-        );
+    let (finer, last_row) = (column_names(parameters, level + 1), parameters.rows(level + 1) - 1);
+    for (place, ((name, on_face), on_vertex)) in finer.iter().zip(&between).zip(&vertex).enumerate() {
+        // The sums are over 64, six fraction bits more; a replaced end vertex has those of the table too.
+        let on_face = m.rescale(on_face, word.fraction + 6);
+        let ended = place == 0 || place == last_row;
+        let more = if ended { parameters.table_bits } else { 0 };
+        let on_face = m.rescale(&m.signal(&on_face << more), word.fraction + 6 + more as i32);
+        let on_vertex = m.rescale(on_vertex, word.fraction + 6 + more as i32);
+        let chosen = m.wire(format!("chosen_{name}"), m.select(&face, &on_face, &on_vertex));
+        let rounded = m.round(&chosen, drop + more, Rounding::HalfUp);
+        m.output(format!("out_{name}"), m.wire(format!("out_{name}"), &rounded));
     }
     m.finish()
 }

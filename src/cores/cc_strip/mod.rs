@@ -22,6 +22,7 @@ mod control;
 mod level;
 mod loader;
 mod outside;
+pub mod proof;
 mod top;
 
 use std::rc::Rc;

@@ -14,7 +14,7 @@
 
 use super::Parameters;
 use super::columns::{Column, Outside};
-use crate::fixed::{Range, Rounding};
+use crate::fixed::Range;
 use crate::hdl::{Builder, Relation, Signal, Word};
 
 /// Which end of a column.
@@ -58,8 +58,8 @@ pub struct Window<'a> {
     pub next: &'a Column,
 }
 
-/// The end vertex of the new vertex column, and what lies outside of it, all over 64. `valence` counts the
-/// edges of the end vertex.
+/// The end vertex of the new vertex column over 64 * 2^b, unrounded, and what lies outside of it over 64.
+/// `valence` counts the edges of the end vertex.
 pub fn replace_end(
     m: &Builder,
     parameters: Parameters,
@@ -134,7 +134,7 @@ pub fn replace_end(
     (replaced, outside)
 }
 
-/// 64 S + 64 kappa_d * sum, half up, with the table's entries over 2^b; valence 4 exactly.
+/// 64 S + 64 kappa_d * sum over 2^b, b the bits of the table; it is rounded once, with the column.
 fn weighted(
     m: &Builder,
     parameters: Parameters,
@@ -152,12 +152,11 @@ fn weighted(
     }
     let weight = m.wire(name("weight"), &weight);
     let product = m.wire(name("weighted"), m.product(sum, &weight));
-    let point = m.signal(&product + (centre << (6 + bits)));
-    let rounded = m.round(&point, bits, Rounding::HalfUp);
-    let rounded = m.rescale(&rounded, sum.word().fraction);
+    let point =
+        m.rescale(&m.signal(&product + (centre << (6 + bits))), (centre.word().fraction + 6) + bits as i32);
     // A convex combination: it lies in the hull, whatever the interval of the product says.
-    let hull = parameters.word(level).range * 64;
-    m.claim(&name("replacement"), &rounded, Word { range: hull, ..sum.word() }, None)
+    let hull = parameters.word(level).range * (64i128 << bits);
+    m.claim(&name("replacement"), &point, Word { range: hull, ..point.word() }, None)
 }
 
 /// 64 / (4 d^2) over 2^`bits`, rounded half up; exactly 2^bits for d = 4.
