@@ -15,6 +15,7 @@ use crate::cores::loop_fd::{LEVEL_BITS, Parameters};
 use crate::error::Result;
 use crate::hdl::Module;
 use crate::model::loop_fd_clocks::{self, Clocks};
+use crate::surface::basis;
 
 /// Points of any number, with the level that `tuser` says.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -66,36 +67,41 @@ impl LoopTrial {
     }
 }
 
-/// How the coordinates of a packet are chosen.
-const KINDS: [fn(&mut Dice) -> i128; 4] =
-    [Dice::any, Dice::extreme, |dice| dice.bounds.0, |dice| dice.bounds.1];
-
-/// Levels above this one occur once: their patches are long.
-const CHEAP: u32 = 5;
-
 fn packets(parameters: Parameters, seed: u64) -> Vec<Packet> {
     let most = parameters.max_level;
-    let mut dice = Dice { xorshift: Xorshift::new(seed), bounds: (0, 0) };
-    let mut packets = vec![];
+    let mut dice = Dice { xorshift: Xorshift::new(seed), parameters, bounds: (0, 0) };
+    let mut kinds: Vec<(u32, Kind)> = vec![];
+    for level in 0..=most {
+        let often = match level {
+            // A patch of level 0 has the fewest vertices, and each of them is rounded.
+            0 => 12,
+            1 => 6,
+            2..=5 => 2,
+            // Long patches come once.
+            _ => {
+                kinds.push((level, if level % 2 == 0 { Kind::Any } else { Kind::Extreme }));
+                continue;
+            }
+        };
+        kinds.extend([Kind::Least, Kind::Greatest].map(|kind| (level, kind)));
+        let each = [Kind::Any, Kind::Extreme, Kind::Near, Kind::Tie];
+        kinds.extend((0..often).flat_map(|_| each).map(|kind| (level, kind)));
+    }
+    dice.shuffle(&mut kinds);
     let broken = broken(most);
-    let mut next_broken = broken.iter().cycle();
-    let mut levels: Vec<(u32, usize)> =
-        (0..=most).flat_map(|level| (0..KINDS.len()).map(move |kind| (level, kind))).collect();
-    levels.retain(|&(level, kind)| level <= CHEAP || kind == level as usize % 2);
-    dice.shuffle(&mut levels);
-    for (level, kind) in levels {
-        dice.bounds = bounds(parameters, level);
-        packets.push(Packet { level, points: dice.points(12, KINDS[kind]) });
-        if let Some(&(level, count)) = next_broken.next() {
-            packets.push(Packet { level, points: dice.points(count, Dice::any) });
+    let mut packets = vec![];
+    for (index, (level, kind)) in kinds.into_iter().enumerate() {
+        packets.push(dice.packet(level, 12, kind));
+        if index % 4 == 0 {
+            let (level, count) = broken[index / 4 % broken.len()];
+            packets.push(dice.packet(level, count, Kind::Any));
         }
     }
     // Every kind of broken packet right behind a short patch, and patches so short that they queue up.
     for (level, count) in broken {
-        dice.bounds = bounds(parameters, 0);
-        packets.push(Packet { level: 0, points: dice.points(12, Dice::any) });
-        packets.push(Packet { level, points: dice.points(count, Dice::extreme) });
-        packets.push(limit_positions(parameters, &mut dice));
+        packets.push(dice.packet(0, 12, Kind::Any));
+        packets.push(dice.packet(level, count, Kind::Extreme));
+        packets.push(dice.limit_positions());
     }
     packets
 }
@@ -109,38 +115,92 @@ fn broken(most: u32) -> Vec<(u32, usize)> {
     lengths.chain(levels).collect()
 }
 
-/// The least and the greatest coordinate of a control point of this level.
-fn bounds(parameters: Parameters, level: u32) -> (i128, i128) {
-    let finer = 4 * (parameters.max_level - level);
-    let (min, max) = (parameters.coordinates.min(), parameters.coordinates.max());
-    (i128::from(min) << finer, i128::from(max) << finer)
+/// How the coordinates of a packet are chosen.
+#[derive(Clone, Copy)]
+enum Kind {
+    /// Any number of the range.
+    Any,
+    /// The bounds of the range, a few next to them.
+    Extreme,
+    Least,
+    Greatest,
+    /// All of a packet close to a bound or to zero; how close differs over all powers of two.
+    Near,
+    /// A vertex that lies where rounding turns, or just below, so that the least error shows.
+    Tie,
 }
 
-/// Three vertices of the limit surface over 12 * 16^R, sent as a patch of level 0.
-fn limit_positions(parameters: Parameters, dice: &mut Dice) -> Packet {
-    let (min, max) = bounds(parameters, 0);
-    dice.bounds = (12 * min, 12 * max);
-    let mut points = vec![[0; 3]; 12];
-    for corner in [0, 2, 10] {
-        points[corner] = [(); 3].map(|()| dice.extreme());
-    }
-    Packet { level: 0, points }
-}
-
-/// Random coordinates within bounds.
+/// Makes random packets.
 struct Dice {
     xorshift: Xorshift,
+    parameters: Parameters,
+    /// The least and the greatest coordinate of a control point.
     bounds: (i128, i128),
 }
 
 impl Dice {
-    fn any(&mut self) -> i128 {
-        let (min, max) = self.bounds;
-        let wide = u128::from(self.xorshift.next()) << 64 | u128::from(self.xorshift.next());
-        min + (wide % (max - min + 1) as u128) as i128
+    fn packet(&mut self, level: u32, count: usize, kind: Kind) -> Packet {
+        // A control point of this level has 4 bits more for each level that it lies below the highest.
+        let finer = 4 * self.parameters.max_level.saturating_sub(level);
+        let coordinates = self.parameters.coordinates;
+        self.bounds = (i128::from(coordinates.min()) << finer, i128::from(coordinates.max()) << finer);
+        let mut points = vec![[0; 3]; count];
+        for axis in 0..3 {
+            let (base, spread) = self.near();
+            for point in &mut points {
+                point[axis] = match kind {
+                    Kind::Any | Kind::Tie => self.any(),
+                    Kind::Extreme => self.extreme(),
+                    Kind::Least => self.bounds.0,
+                    Kind::Greatest => self.bounds.1,
+                    Kind::Near => (base + self.below(spread)).clamp(self.bounds.0, self.bounds.1),
+                };
+            }
+            if matches!(kind, Kind::Tie) {
+                self.tie(level, &mut points, axis);
+            }
+        }
+        Packet { level, points }
     }
 
-    /// One of the bounds, or a number next to one of them or to zero.
+    /// Three vertices of the limit surface over 12 * 16^R, sent as a patch of level 0.
+    fn limit_positions(&mut self) -> Packet {
+        let coordinates = self.parameters.coordinates;
+        let unit = 12i128 << (4 * self.parameters.max_level);
+        self.bounds = (i128::from(coordinates.min()) * unit, i128::from(coordinates.max()) * unit);
+        let mut points = vec![[0; 3]; 12];
+        for corner in [0, 2, 10] {
+            points[corner] = [(); 3].map(|()| self.extreme());
+        }
+        Packet { level: 0, points }
+    }
+
+    /// Moves one control point so that the numerator of some vertex, of which
+    /// floor(N / (3 * 2^s) + 1/2) is sent, comes as close to a half as the point's weight allows.
+    fn tie(&mut self, level: u32, points: &mut [[i128; 3]], axis: usize) {
+        let steps = 1u64 << level;
+        let i = self.xorshift.below(steps + 1);
+        let j = self.xorshift.below(steps + 1 - i);
+        let mask = basis::mask(level, i as u32, j as u32);
+        let numerator: i128 = mask.iter().zip(&*points).map(|(&m, p)| i128::from(m) * p[axis]).sum();
+        let unit = 3i128 << self.parameters.shift();
+        let weights = mask.iter().enumerate().filter(|(_, weight)| **weight > 0);
+        let Some((point, &weight)) = weights.min_by_key(|(_, weight)| **weight) else { return };
+        let missing = (unit / 2 - numerator).rem_euclid(unit) - i128::from(self.xorshift.below(2) as u8);
+        let (up, down) = (missing.div_euclid(weight.into()), (missing - unit).div_euclid(weight.into()));
+        let within = |move_by: &i128| {
+            let moved = points[point][axis] + move_by;
+            self.bounds.0 <= moved && moved <= self.bounds.1
+        };
+        if let Some(move_by) = [up, down].into_iter().find(within) {
+            points[point][axis] += move_by;
+        }
+    }
+
+    fn any(&mut self) -> i128 {
+        self.bounds.0 + self.below(self.bounds.1 - self.bounds.0 + 1)
+    }
+
     fn extreme(&mut self) -> i128 {
         let (min, max) = self.bounds;
         match self.xorshift.below(8) {
@@ -151,8 +211,18 @@ impl Dice {
         }
     }
 
-    fn points(&mut self, count: usize, coordinate: fn(&mut Dice) -> i128) -> Vec<[i128; 3]> {
-        (0..count).map(|_| [(); 3].map(|()| coordinate(self))).collect()
+    /// Where a packet lies, and in which part of the range its points differ.
+    fn near(&mut self) -> (i128, i128) {
+        let (min, max) = self.bounds;
+        let spread = 1i128 << self.xorshift.below(u64::from((max - min).ilog2()) + 1);
+        let base = [min, max - spread + 1, -spread / 2];
+        (base[self.xorshift.below(3) as usize], spread)
+    }
+
+    /// A number in `0..bound`.
+    fn below(&mut self, bound: i128) -> i128 {
+        let wide = u128::from(self.xorshift.next()) << 64 | u128::from(self.xorshift.next());
+        (wide % bound as u128) as i128
     }
 
     fn shuffle<T>(&mut self, list: &mut [T]) {

@@ -51,6 +51,9 @@ impl<const N: usize> Form<N> {
             self.multiplier = self.multiplier.checked_mul(factor)?;
             self.addend = self.addend.checked_mul(factor.into())?;
         }
+        if self.modulus != 0 {
+            self.modulus += shift;
+        }
         Some(self)
     }
 
@@ -125,7 +128,7 @@ impl<const N: usize> Form<N> {
     /// Whether every value is a multiple of 2^`amount`.
     pub fn is_multiple(&self, amount: u32) -> bool {
         let mask = (1i128 << amount) - 1;
-        self.modulus == 0
+        (self.modulus == 0 || self.modulus >= amount)
             && self.is_linear()
             && self.coefficients.iter().all(|&c| i128::from(c) & mask == 0)
             && self.constant & mask == 0

@@ -31,11 +31,13 @@ pub struct LinearForms<const N: usize> {
     pub proved: BTreeMap<NodeId, Range>,
     /// What did not hold.
     pub failures: Vec<Error>,
+    /// A sum that loses the carry into this bit; the proof shows whether it matters.
+    pub dropped_carry: Option<(NodeId, u32)>,
 }
 
 impl<const N: usize> LinearForms<N> {
     pub fn new(groups: Vec<Range>) -> Self {
-        LinearForms { groups, proved: BTreeMap::new(), failures: vec![] }
+        LinearForms { groups, proved: BTreeMap::new(), failures: vec![], dropped_carry: None }
     }
 
     fn range(&self, form: &Form<N>) -> Range {
@@ -78,7 +80,36 @@ impl<const N: usize> LinearForms<N> {
         })
     }
 
-    fn claim(&mut self, flat: &Flat, id: NodeId, value: Value<N>) -> Value<N> {
+    /// The sum where no carry into the bit can arise, as no two operands have bits below it; otherwise only
+    /// what lies below the bit is sure.
+    fn without_carry(
+        &self,
+        flat: &Flat,
+        id: NodeId,
+        bit: u32,
+        values: &[Value<N>],
+        sum: Value<N>,
+    ) -> Value<N> {
+        let Cell::Sum { terms, constant } = &flat.node(id).cell else { return sum };
+        let mask = (1i128 << bit) - 1;
+        let ends_in_zeros = |value: Value<N>, shift: u32| match value {
+            Value::Integer(number) => number.wrapping_shl(shift) & mask == 0,
+            Value::Form(form) => form.is_multiple(bit.saturating_sub(shift)),
+            Value::Unknown => false,
+        };
+        let operands =
+            terms.iter().filter(|term| !ends_in_zeros(values[term.of.index()], term.shift)).count();
+        match sum {
+            _ if operands + usize::from(constant & mask != 0) <= 1 => sum,
+            Value::Form(form) if form.modulus == 0 || form.modulus > bit => {
+                Value::Form(Form { modulus: bit, ..form })
+            }
+            Value::Form(form) => Value::Form(form),
+            _ => Value::Unknown,
+        }
+    }
+
+    fn claim(&mut self, flat: &Flat, id: NodeId, of: NodeId, value: Value<N>) -> Value<N> {
         let word = flat.node(id).word;
         let range = match &value {
             Value::Integer(number) => Range::point(*number),
@@ -86,7 +117,15 @@ impl<const N: usize> LinearForms<N> {
             Value::Unknown => return Value::Unknown,
         };
         let known = match &value {
-            Value::Form(form) if form.modulus != 0 => Range::signed(form.modulus),
+            Value::Form(form) if form.modulus != 0 => {
+                // All bits that are read, or all that there are, must be known.
+                let bits = word.width().min(flat.node(of).word.width());
+                if form.modulus < bits {
+                    let why = format!("it is known only modulo 2^{}, but {word} is claimed", form.modulus);
+                    return self.refuse(flat, id, why);
+                }
+                Range::signed(form.modulus)
+            }
             _ => range,
         };
         if !word.range.contains(range) || !known.contains(range) {
@@ -100,16 +139,13 @@ impl<const N: usize> LinearForms<N> {
         }
     }
 
-    /// The form in a word: exact where the word is a number that holds it, else known modulo its width.
+    /// The form in a word: exact where the word is a number that holds it; else known modulo its width, or in the
+    /// fewer bits in which it was known before.
     fn wrap(&self, word: Word, form: Form<N>) -> Value<N> {
         let width = word.width();
-        if !word.modular && word.range.contains(self.range(&form)) {
-            Value::Form(form)
-        } else if form.modulus == 0 || form.modulus >= width {
-            Value::Form(Form { modulus: width, ..form })
-        } else {
-            Value::Unknown
-        }
+        let known = form.modulus != 0 && form.modulus <= width;
+        let fits = known || (!word.modular && word.range.contains(self.range(&form)));
+        Value::Form(if fits { form } else { Form { modulus: width, ..form } })
     }
 }
 
@@ -133,7 +169,13 @@ impl<const N: usize> Domain for LinearForms<N> {
         let value = |id: NodeId| values[id.index()];
         let word = flat.node(id).word;
         match &flat.node(id).cell {
-            Cell::Sum { .. } => self.sum(flat, id, values).unwrap_or(Value::Unknown),
+            Cell::Sum { .. } => {
+                let sum = self.sum(flat, id, values).unwrap_or(Value::Unknown);
+                match self.dropped_carry {
+                    Some((at, bit)) if at == id => self.without_carry(flat, id, bit, values, sum),
+                    _ => sum,
+                }
+            }
             Cell::Product { left, right } => match (value(*left), value(*right)) {
                 (Value::Form(form), Value::Integer(factor)) | (Value::Integer(factor), Value::Form(form)) => {
                     multiple(form, factor).map_or(Value::Unknown, Value::Form)
@@ -150,8 +192,8 @@ impl<const N: usize> Domain for LinearForms<N> {
                 _ => Value::Unknown,
             },
             Cell::Claim { of, when } => match when.map(value) {
-                None => self.claim(flat, id, value(*of)),
-                Some(Value::Integer(condition)) if condition != 0 => self.claim(flat, id, value(*of)),
+                None => self.claim(flat, id, *of, value(*of)),
+                Some(Value::Integer(condition)) if condition != 0 => self.claim(flat, id, *of, value(*of)),
                 Some(_) => Value::Unknown,
             },
             Cell::Wrap { of } => match value(*of) {

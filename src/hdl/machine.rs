@@ -18,12 +18,12 @@ impl Builder {
     /// A machine with these states; the first one is taken at reset.
     #[track_caller]
     pub fn state_machine(&self, name: &str, states: &[&str]) -> StateMachine {
-        let register = |(index, state): (usize, &&str)| {
+        let mut registers = vec![];
+        for (index, state) in states.iter().enumerate() {
             let bit = self.register_reset(format!("{name}_{state}"), Word::bit(), i128::from(index == 0));
-            (state.to_string(), bit)
-        };
-        let states = states.iter().enumerate().map(register).collect();
-        StateMachine { name: name.into(), states, builder: self.clone(), moves: vec![] }
+            registers.push((state.to_string(), bit));
+        }
+        StateMachine { name: name.into(), states: registers, builder: self.clone(), moves: vec![] }
     }
 }
 

@@ -21,6 +21,7 @@ mod builder;
 pub mod cell;
 mod count;
 mod expression;
+pub mod fault;
 pub mod flat;
 mod form;
 pub mod linear;

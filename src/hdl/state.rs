@@ -142,6 +142,7 @@ impl Builder {
     #[track_caller]
     pub fn pipelined(&self, name: &str, sum: impl Into<Sum>) -> Signal {
         let sum = sum.into();
+        let place = sum.place;
         let terms = self.shifted_terms(&sum);
         let mut open: Vec<(Sum, u32)> =
             terms.into_iter().map(|(c, s)| (c * &s, s.time().unwrap_or(0))).collect();
@@ -156,10 +157,11 @@ impl Builder {
             };
             // The constant goes in with the last adder but one operand, where it is free of its own.
             let last = open.is_empty();
-            let sum = match b {
+            let mut sum = match b {
                 Some(b) => a + b,
                 None => a,
             };
+            sum.place = place;
             let sum = if last { sum + std::mem::take(&mut constant) } else { sum };
             let label = if last { name.to_string() } else { format!("{name}_part{number}") };
             let part = self.pipe(label, sum);

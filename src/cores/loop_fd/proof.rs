@@ -16,6 +16,7 @@ use std::rc::Rc;
 use super::{AXES, Parameters};
 use crate::error::{Error, Kind, Result};
 use crate::fixed::{Form, Range};
+use crate::hdl::fault::Fault;
 use crate::hdl::linear::Value;
 use crate::hdl::{Flat, LinearForms, Module, NodeId, Simulator};
 use crate::surface::basis;
@@ -68,9 +69,25 @@ pub fn prove(core: &Rc<Module>, parameters: Parameters) -> Result<Proof> {
 
 /// The same for a core laid out flat, which may have been changed since.
 pub fn prove_flat(flat: Flat, parameters: Parameters) -> Result<Proof> {
+    run(flat, parameters, None)
+}
+
+/// Whether a fault changes nothing: the proof of the design that has it.
+///
+/// A lost carry is no linear function; there the proof shows that no carry arises, or that the bits from
+/// there on do not matter.
+pub fn prove_fault(flat: &Flat, fault: &Fault, parameters: Parameters) -> Result<Proof> {
+    match fault.dropped_carry() {
+        Some(carry) => run(flat.clone(), parameters, Some(carry)),
+        None => run(fault.apply(flat)?, parameters, None),
+    }
+}
+
+fn run(flat: Flat, parameters: Parameters, dropped_carry: Option<(NodeId, u32)>) -> Result<Proof> {
     let patches = patches(parameters);
     let groups = patches.iter().flat_map(|patch| [patch.range; 3]).collect();
     let mut run = Run::new(flat, groups)?;
+    run.simulator.domain.dropped_carry = dropped_carry;
     let mut sent =
         patches.iter().enumerate().flat_map(|(index, patch)| (0..12).map(move |point| (index, patch, point)));
     let mut expected =
