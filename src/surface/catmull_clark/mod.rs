@@ -7,4 +7,6 @@ pub mod numbers;
 pub mod oracle;
 pub mod quad_mesh;
 mod refinement;
+pub mod rings;
+pub mod strips;
 pub mod table;
