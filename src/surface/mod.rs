@@ -17,6 +17,7 @@
 pub mod arithmetic;
 pub mod assembly;
 pub mod basis;
+pub mod catmull_clark;
 pub mod cmesh;
 pub mod control_mesh;
 pub mod cosine;

@@ -1,0 +1,12 @@
+pub mod assembly;
+pub mod control;
+pub mod error_bound;
+pub mod fine_grid;
+pub mod masks;
+pub mod numbers;
+pub mod oracle;
+pub mod quad_mesh;
+mod refinement;
+pub mod rings;
+pub mod strips;
+pub mod table;
