@@ -63,6 +63,7 @@ mod outcome;
 mod process;
 mod settings;
 mod stall;
+pub mod strip_bench;
 mod testbench;
 mod tools;
 mod vectors;
