@@ -25,7 +25,14 @@ fn run(name: &str, levels: u32, precision: Precision) -> (f64, usize, usize, u64
     let format = Format { integer: 4, fraction: 12 };
     let mesh = quads(name, format);
     let rings = Rings::new(&mesh, Boundary::Ghosts).unwrap();
-    let parameters = Parameters { coordinates: format, output_fraction: 12, levels, max_valence: 10, precision, table_bits: 30 };
+    let parameters = Parameters {
+        coordinates: format,
+        output_fraction: 12,
+        levels,
+        max_valence: 10,
+        precision,
+        table_bits: 36,
+    };
     let core = build(parameters).unwrap();
     let dut = device(&core, &[], None);
     let grid = QuadGrid::new(&mesh, levels).unwrap();
@@ -70,7 +77,9 @@ fn every_strip_of_every_shape_is_the_global_mesh() {
         for levels in 1..=4 {
             for precision in [Precision::Exact, Precision::Guard(5)] {
                 let (error, cracks, missing, clocks, columns) = run(name, levels, precision);
-                println!("{name} level {levels} {precision:?}: error {error}, {clocks} clocks for {columns} quads");
+                println!(
+                    "{name} level {levels} {precision:?}: error {error}, {clocks} clocks for {columns} quads"
+                );
                 assert_eq!((cracks, missing), (0, 0), "{name} {levels}");
                 assert!(error <= 0.5625, "{name} {levels} {precision:?}: {error}");
             }

@@ -114,7 +114,7 @@ pub fn build(parameters: Parameters, level: u32) -> Result<Rc<Module>> {
         // The sums are over 64, six fraction bits more; a replaced end vertex has those of the table too.
         let on_face = m.rescale(on_face, word.fraction + 6);
         let ended = place == 0 || place == last_row;
-        let more = if ended { parameters.table_bits } else { 0 };
+        let more = if ended { parameters.replacement_bits() } else { 0 };
         let on_face = m.rescale(&m.signal(&on_face << more), word.fraction + 6 + more as i32);
         let on_vertex = m.rescale(on_vertex, word.fraction + 6 + more as i32);
         let chosen = m.wire(format!("chosen_{name}"), m.select(&face, &on_face, &on_vertex));

@@ -84,10 +84,10 @@ pub fn control(parameters: Parameters) -> Result<Rc<Module>> {
 pub fn column(parameters: Parameters) -> Result<Rc<Module>> {
     let m = Builder::new("column_registers");
     m.purpose("One coordinate of the column that is being gathered.");
-    let word = m.input("word", parameters.word(0));
+    let word = m.input("word", parameters.input_word());
     for name in column_names(parameters, 0) {
         let write = m.input(format!("write_{name}"), Word::bit());
-        let register = m.register(name.clone(), parameters.word(0));
+        let register = m.register(name.clone(), parameters.input_word());
         m.on(&write, &register, &word);
         m.output(name, &register);
     }

@@ -84,6 +84,11 @@ impl Parameters {
             return Err(Error::usage(format!("a maximum valence of {}", self.max_valence))
                 .help("choose --max-valence 4 to 16"));
         }
+        if !(8..=52).contains(&self.table_bits) {
+            return Err(
+                Error::usage(format!("a table of {} bits", self.table_bits)).help("choose --table 8 to 52")
+            );
+        }
         let widest = self.word(self.levels).width() + 6 + self.table_bits + 12;
         if widest > Range::WIDEST {
             return Err(Error::usage(format!("products of {widest} bits"))
@@ -96,14 +101,18 @@ impl Parameters {
     pub fn extra_fraction(self, level: u32) -> u32 {
         match self.precision {
             Precision::Exact => 6 * level,
-            Precision::Guard(bits) => {
-                if level == 0 {
-                    0
-                } else {
-                    bits
-                }
-            }
+            Precision::Guard(bits) => bits,
         }
+    }
+
+    /// Fraction bits of a replaced vertex beyond those of the sums over 64.
+    fn replacement_bits(self) -> u32 {
+        self.table_bits - 6
+    }
+
+    /// A vertex as it comes in.
+    fn input_word(self) -> Word {
+        Word::signed(self.coordinates.width()).fraction(self.coordinates.fraction as i32)
     }
 
     /// A vertex of a level: the convex hull of the control points never grows.

@@ -144,7 +144,7 @@ fn weighted(
     valence: &Signal,
     name: &dyn Fn(&str) -> String,
 ) -> Signal {
-    let bits = parameters.table_bits;
+    let bits = parameters.replacement_bits();
     let entry = |d: u32| m.constant(kappa64(d, bits), Word::range(0, kappa64(3, bits)));
     let mut weight = entry(4);
     for d in (3..=parameters.max_valence).filter(|d| *d != 4) {

@@ -274,7 +274,7 @@ fn prove_level(parameters: Parameters, level: u32, valences: [u32; 2]) -> Result
     }
     set(&mut simulator, "arrive", Value::Integer(0))?;
 
-    let [between, middle] = rules(&window, parameters.table_bits);
+    let [between, middle] = rules(&window, parameters.replacement_bits());
     let mut compared = 0;
     for (face, rules) in [(1, between), (0, middle)] {
         set(&mut simulator, "face", Value::Integer(face))?;

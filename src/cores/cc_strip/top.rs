@@ -32,7 +32,7 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
     m.parameter("table_bits", parameters.table_bits);
 
     let lane = parameters.coordinates.width().next_multiple_of(8);
-    let input = m.stream_input("s_axis", lane, &AXES.map(|axis| (axis, parameters.word(0))), USER_BITS);
+    let input = m.stream_input("s_axis", lane, &AXES.map(|axis| (axis, parameters.input_word())), USER_BITS);
     let consumer = m.stream_ready("m_axis");
 
     // Whether each stage may send its column on; driven by the stage behind it.
@@ -95,7 +95,10 @@ fn gathered(m: &Builder, parameters: Parameters, loader: &Placed, lanes: &[Signa
         let mut inputs: Vec<(&str, &Signal)> = writes.iter().map(|(n, s)| (n.as_str(), s)).collect();
         inputs.push(("word", &lanes[axis]));
         let placed = m.instance(&format!("column_{}", AXES[axis]), &column, &inputs);
-        names.iter().map(|name| placed.out(name)).collect()
+        // Guard bits stand below the point from the first level on.
+        let guard = parameters.extra_fraction(0);
+        let fraction = parameters.word(0).fraction;
+        names.iter().map(|name| m.rescale(&m.signal(&placed.out(name) << guard), fraction)).collect()
     };
     Ok(Offer {
         valid: loader.out("full"),
