@@ -8,7 +8,12 @@ use super::{
     progress::Progress,
     values::{FINEST_LEVEL, Registers, USUAL_MAX_LEVEL},
 };
-use crate::{cores::loop_fd::Parameters, error::Result, fixed::Format, package};
+use crate::{
+    cores::{cc_strip, loop_fd::Parameters},
+    error::Result,
+    fixed::Format,
+    package,
+};
 use std::path::PathBuf;
 
 /// Write a core: Verilog, testbench, FuseSoC core file, file list and manifest
@@ -21,6 +26,63 @@ pub struct Args {
 #[derive(Debug, clap::Subcommand)]
 pub enum Core {
     LoopFd(LoopFd),
+    CcStrip(CcStrip),
+}
+
+/// The sliding window for quad strips of Catmull-Clark surfaces
+///
+/// In come the columns of a strip of quads with what lies around them, out come the columns of the fine strip, one a
+/// clock. Every level is proved for every valence before anything is written.
+#[derive(Debug, clap::Args)]
+pub struct CcStrip {
+    /// Format of the control points: i integer bits with the sign, f fraction bits
+    #[arg(long, value_name = "Qi.f", default_value = "Q12.12")]
+    pub coordinates: Format,
+
+    /// Fraction bits of the vertices [default: those of the coordinates]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..Format::WIDEST as i64))]
+    pub output_fraction: Option<u32>,
+
+    /// How often the strip is subdivided, 1 to 7
+    #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=7))]
+    pub level: u32,
+
+    /// The largest valence of a vertex, 4 to 16
+    #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u32).range(4..=16))]
+    pub max_valence: u32,
+
+    /// Keep this many more fraction bits on every level [default: 6 a level, exact]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=42))]
+    pub guard: Option<u32>,
+
+    /// Fraction bits of the table for irregular vertices [default: those of the coordinates and 13]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(8..=52))]
+    pub table: Option<u32>,
+
+    /// Write without the proof; the manifest says so
+    #[arg(long)]
+    pub no_proof: bool,
+
+    /// Write into a folder that holds other files too
+    #[arg(long)]
+    pub force: bool,
+
+    /// The folder to write to
+    #[arg(short, long, value_name = "DIR", default_value = "cc-strip")]
+    pub output: PathBuf,
+}
+
+impl CcStrip {
+    fn parameters(&self) -> cc_strip::Parameters {
+        cc_strip::Parameters {
+            coordinates: self.coordinates,
+            output_fraction: self.output_fraction.unwrap_or(self.coordinates.fraction),
+            levels: self.level,
+            max_valence: self.max_valence,
+            precision: self.guard.map_or(cc_strip::Precision::Exact, cc_strip::Precision::Guard),
+            table_bits: self.table.unwrap_or(self.coordinates.width() + 13),
+        }
+    }
 }
 
 /// The forward-difference engine for regular patches of Loop surfaces
@@ -87,22 +149,31 @@ where core.toml has any of these lines:
 /// # Errors
 /// Those of the settings; a core that cannot be built; a refuted proof; a folder that cannot be written.
 pub fn run(args: &Args) -> Result<()> {
-    let Core::LoopFd(core) = &args.core;
-    let settings = core.settings()?;
-    let parameters = Parameters::new(
-        settings.coordinates,
-        settings.output_fraction,
-        settings.max_level,
-        settings.registers.form(),
-    )?;
-    let work = if settings.proof { "proving the core" } else { "building the core" };
-    let package = {
-        let _shown = Progress::waiting(work);
-        package::loop_fd::package(parameters, settings.proof)?
+    let (package, folder, force) = match &args.core {
+        Core::LoopFd(core) => {
+            let settings = core.settings()?;
+            let parameters = Parameters::new(
+                settings.coordinates,
+                settings.output_fraction,
+                settings.max_level,
+                settings.registers.form(),
+            )?;
+            let _shown = working(settings.proof);
+            (package::loop_fd::package(parameters, settings.proof)?, settings.folder, settings.force)
+        }
+        Core::CcStrip(core) => {
+            let parameters = core.parameters().check()?;
+            let _shown = working(!core.no_proof);
+            (package::cc_strip::package(parameters, !core.no_proof)?, core.output.clone(), core.force)
+        }
     };
-    package.write(&settings.folder, settings.force)?;
-    let paths = package.files.iter().map(|(path, _)| format!("{}\n", settings.folder.join(path).display()));
+    package.write(&folder, force)?;
+    let paths = package.files.iter().map(|(path, _)| format!("{}\n", folder.join(path).display()));
     output::print(&paths.collect::<String>())
+}
+
+fn working(proof: bool) -> Progress {
+    Progress::waiting(if proof { "proving the core" } else { "building the core" })
 }
 
 /// What to generate, complete and checked.

@@ -5,11 +5,126 @@
 //! strip   =  left guard, columns 0 .. M, right guard
 //! ```
 
-use crate::cores::cc_strip::Role;
+use std::rc::Rc;
+
+use super::core::port;
+use crate::cores::cc_strip::{Parameters, Precision, Role};
 use crate::cosim::{Beat, Port};
-use crate::surface::catmull_clark::strips::records::{Guard, Outside, StripRecords};
+use crate::error::{Error, Result};
+use crate::hdl::{Direction, Module};
+use crate::model::cc_strip::{self as reference, CcStrip};
+use crate::surface::catmull_clark::assembly::QuadAssembly;
+use crate::surface::catmull_clark::fine_grid::QuadGrid;
+use crate::surface::catmull_clark::numbers::Numbers;
+use crate::surface::catmull_clark::quad_mesh::QuadMesh;
+use crate::surface::catmull_clark::rings::Rings;
+use crate::surface::catmull_clark::strips::records::{Guard, Outside, StripRecords, records};
+use crate::surface::catmull_clark::strips::statistics::Statistics;
+use crate::surface::catmull_clark::strips::{Method, Strip, cut};
 
 type Point = [i64; 3];
+
+/// A quad mesh through a core: the words of all strips, and the columns that must come out.
+pub struct StripBench {
+    /// What goes in and what must come out; whoever runs it takes them.
+    pub input: Vec<Beat>,
+    pub expected: Vec<Beat>,
+    pub statistics: Statistics,
+    strips: Vec<Strip>,
+    levels: u32,
+    output: Port,
+}
+
+impl StripBench {
+    /// # Errors
+    /// Numbers that the reference does not take, a valence above the core's, a strip without guards.
+    pub fn new(
+        core: &Rc<Module>,
+        parameters: Parameters,
+        mesh: &QuadMesh,
+        rings: &Rings,
+    ) -> Result<StripBench> {
+        let [input, output] =
+            [("s_axis", Direction::Input), ("m_axis", Direction::Output)].map(|(n, d)| port(core, n, d));
+        let reference = CcStrip::new(reference_parameters(parameters))?;
+        let strips = cut(mesh, Method::Natural);
+        let numbers: Vec<_> = strips.iter().map(|strip| records(mesh, rings, strip)).collect();
+        let statistics = Statistics::of(mesh.vertex_count(), &strips, &numbers);
+        let mut bench = StripBench {
+            input: vec![],
+            expected: vec![],
+            statistics,
+            strips,
+            levels: parameters.levels,
+            output,
+        };
+        for strip in numbers {
+            let strip = strip.map(|&vertex| rings.positions()[vertex as usize]);
+            let words = words(&input, &strip).ok_or_else(|| {
+                Error::input("a strip ends at a boundary where no ghosts can stand")
+                    .help("the core needs a column beyond each end of a strip")
+            })?;
+            bench.input.extend(words);
+            let columns = reference.columns(parameters.levels, &strip)?;
+            let last = columns.len();
+            for (index, column) in columns.into_iter().enumerate() {
+                let numbers: Vec<i128> = column.vertices.as_flattened().iter().map(|&x| x.into()).collect();
+                let mut beat = bench.output.beat_of(&numbers);
+                beat.last = index + 1 == last;
+                bench.expected.push(beat);
+            }
+        }
+        Ok(bench)
+    }
+
+    /// An output beat in the user's terms.
+    pub fn locate(&self, beat: u64) -> String {
+        let mut column = beat;
+        for (index, strip) in self.strips.iter().enumerate() {
+            let columns = ((strip.len() as u64) << self.levels) + 1;
+            if column < columns {
+                return format!("strip {index}, column {column}");
+            }
+            column -= columns;
+        }
+        format!("beat {beat}")
+    }
+
+    /// The fine mesh that the hardware drew.
+    ///
+    /// # Errors
+    /// A level that is too fine for any mesh.
+    pub fn assemble<'a>(&self, mesh: &'a QuadMesh, received: &[(u64, Beat)]) -> Result<QuadAssembly<'a>> {
+        let grid = QuadGrid::new(mesh, self.levels)?;
+        let mut assembly = QuadAssembly::new(QuadGrid::new(mesh, self.levels)?);
+        let mut beats = received.iter().map(|(_, beat)| beat);
+        for strip in &self.strips {
+            for column in 0..=strip.len() << self.levels {
+                let Some(beat) = beats.next() else { return Ok(assembly) };
+                for row in 0..=1usize << self.levels {
+                    let position = [0, 1, 2].map(|axis| self.output.number(beat, 3 * row + axis) as i64);
+                    assembly.put(strip.fine_vertex(&grid, column, row), position);
+                }
+            }
+        }
+        Ok(assembly)
+    }
+}
+
+/// The reference of a core with these parameters.
+pub fn reference_parameters(parameters: Parameters) -> reference::Parameters {
+    reference::Parameters {
+        max_levels: parameters.levels,
+        max_valence: parameters.max_valence,
+        numbers: match parameters.precision {
+            Precision::Exact => Numbers::Exact,
+            Precision::Guard(bits) => Numbers::Guard(bits),
+        },
+        table_bits: parameters.table_bits,
+        extra_fraction: parameters.output_fraction as i32 - parameters.coordinates.fraction as i32,
+        ..reference::Parameters::exact(parameters.coordinates.width())
+    }
+}
 
 /// The words of a strip with guards at both ends, in the shape of the core's input port.
 ///

@@ -1,18 +1,15 @@
 //! The package of a `loop-fd`.
 
-use std::path::PathBuf;
 use std::rc::Rc;
 
 use serde_json::{Value, json};
 
-use super::manifest::{self, Manifest};
-use super::{FileList, FuseSoc, Package, Vector, print};
+use super::{Draft, Package, assemble};
 use crate::cores::loop_fd::proof::{Proof, prove};
 use crate::cores::loop_fd::{Parameters, RegisterForm, build};
 use crate::cosim::loop_bench::{self, LoopBench};
-use crate::cosim::{testbench, testbench_name, write_beats};
-use crate::error::{Error, Kind, Result};
-use crate::hdl::{Counts, Module, verilog};
+use crate::error::Result;
+use crate::hdl::{Module, verilog};
 use crate::model::loop_fd_clocks;
 use crate::surface::control_mesh::ControlMesh;
 
@@ -27,7 +24,7 @@ pub fn command(parameters: Parameters) -> String {
 /// The core and its files in memory; with `prove_it`, only if the proof holds.
 ///
 /// # Errors
-/// A core that cannot be built; a refuted proof, which is a [`Kind::Mismatch`].
+/// A core that cannot be built; a refuted proof, which is a [`crate::Kind::Mismatch`].
 pub fn package(parameters: Parameters, prove_it: bool) -> Result<Package> {
     let core = build(parameters)?;
     let proof = if prove_it { Some(prove(&core, parameters)?) } else { None };
@@ -36,56 +33,19 @@ pub fn package(parameters: Parameters, prove_it: bool) -> Result<Package> {
     let dut = loop_bench::device(&core, &sources);
     let bench = sample(&core, parameters)?;
 
-    let mut files: Vec<(PathBuf, Vec<u8>)> =
-        sources.iter().map(|f| (PathBuf::from("rtl").join(&f.name), f.text.clone().into_bytes())).collect();
-    let names: Vec<String> = sources.iter().map(|f| format!("rtl/{}", f.name)).collect();
-    let (bench_name, top) = (testbench_name(&dut), core.name.clone());
-    let bench_file = format!("testbench/{bench_name}.v");
-    files.push((PathBuf::from(&bench_file), testbench(&dut)?.into_bytes()));
-    files.push(("testbench/input.hex".into(), write_beats(&dut.input, &bench.input)));
-    files.push(("testbench/expected.hex".into(), write_beats(&dut.output, &bench.expected)));
-    let version = env!("CARGO_PKG_VERSION");
-    let vector = |path, name| Vector { path, name };
-    let fusesoc = FuseSoc {
-        top: &top,
-        purpose: "Forward-difference engine for Loop subdivision surfaces",
-        version,
-        command: &command,
-        sources: &names,
-        testbench: &bench_file,
-        bench: &bench_name,
-        vectors: vec![
-            vector("testbench/input.hex", "input.hex"),
-            vector("testbench/expected.hex", "expected.hex"),
-        ],
-    };
-    files.push((format!("{top}.core").into(), print(&fusesoc)?));
-    let list = FileList { top: &top, version, command: &command, sources: &names };
-    files.push((format!("{top}.f").into(), print(&list)?));
-
-    let hash = |(path, bytes): &(PathBuf, Vec<u8>)| {
-        (path.to_string_lossy().replace('\\', "/"), blake3::hash(bytes).to_hex().to_string())
-    };
-    let manifest = Manifest {
-        schema: "subdiv-rtl/manifest/1",
+    let draft = Draft {
         core: "loop-fd",
-        top: top.clone(),
-        generator: format!("subdiv-rtl {version}"),
-        command: command.clone(),
+        purpose: "Forward-difference engine for Loop subdivision surfaces",
+        command,
         parameters: parameters_json(parameters),
-        ports: manifest::ports(&core),
         streams: streams(parameters),
         latency: latency(&core),
         initiation_interval: initiation_interval(&core, parameters),
-        counts: Counts::of(&core),
         proofs: proofs(proof.as_ref()),
-        names: manifest::names(&core),
-        hashes: files.iter().map(hash).collect(),
+        input: &bench.input,
+        expected: &bench.expected,
     };
-    let json = serde_json::to_string_pretty(&manifest)
-        .map_err(|e| Error::new(Kind::ToolFailed, format!("the manifest cannot be written: {e}")))?;
-    files.push(("manifest.json".into(), format!("{json}\n").into_bytes()));
-    Ok(Package { top, files })
+    assemble(&core, &dut, draft)
 }
 
 /// Vectors that come with the testbench: an octahedron, whose patches are of every kind.

@@ -9,15 +9,21 @@
 //!   testbench/               loop_fd_testbench.v, input.hex, expected.hex
 //! ```
 
+pub mod cc_strip;
 pub mod loop_fd;
 mod manifest;
 
 use std::path::{Path, PathBuf};
 
-use askama::Template;
+use std::rc::Rc;
 
+use askama::Template;
+use serde_json::Value;
+
+use crate::cosim::{Beat, Dut, testbench, testbench_name, write_beats};
 use crate::error::{Error, Kind, Result};
 use crate::files::write_whole;
+use crate::hdl::{Counts, Module};
 
 pub use manifest::Manifest;
 
@@ -61,6 +67,80 @@ fn print(template: &impl Template) -> Result<Vec<u8>> {
         .render()
         .map_err(|e| Error::new(Kind::ToolFailed, format!("a template cannot be printed: {e}")))?;
     Ok(format!("{}\n", text.trim_end()).into_bytes())
+}
+
+/// What the package of one core has that others have not.
+struct Draft<'a> {
+    /// As on the command line.
+    core: &'static str,
+    /// One line for the core file.
+    purpose: &'a str,
+    command: String,
+    parameters: Value,
+    streams: Value,
+    latency: Value,
+    initiation_interval: Value,
+    proofs: Value,
+    /// The vectors that come with the testbench.
+    input: &'a [Beat],
+    expected: &'a [Beat],
+}
+
+/// All files of a core.
+fn assemble(module: &Rc<Module>, dut: &Dut, draft: Draft) -> Result<Package> {
+    let (version, command, top) = (env!("CARGO_PKG_VERSION"), draft.command, dut.top.clone());
+    let mut files: Vec<(PathBuf, Vec<u8>)> = vec![];
+    let mut sources = vec![];
+    for (name, text) in &dut.files {
+        sources.push(format!("rtl/{name}"));
+        files.push((format!("rtl/{name}").into(), text.clone().into_bytes()));
+    }
+    let bench = testbench_name(dut);
+    let bench_file = format!("testbench/{bench}.v");
+    files.push((PathBuf::from(&bench_file), testbench(dut)?.into_bytes()));
+    files.push(("testbench/input.hex".into(), write_beats(&dut.input, draft.input)));
+    files.push(("testbench/expected.hex".into(), write_beats(&dut.output, draft.expected)));
+    let vector = |path, name| Vector { path, name };
+    let fusesoc = FuseSoc {
+        top: &top,
+        purpose: draft.purpose,
+        version,
+        command: &command,
+        sources: &sources,
+        testbench: &bench_file,
+        bench: &bench,
+        vectors: vec![
+            vector("testbench/input.hex", "input.hex"),
+            vector("testbench/expected.hex", "expected.hex"),
+        ],
+    };
+    files.push((format!("{top}.core").into(), print(&fusesoc)?));
+    let list = FileList { top: &top, version, command: &command, sources: &sources };
+    files.push((format!("{top}.f").into(), print(&list)?));
+
+    let hash = |(path, bytes): &(PathBuf, Vec<u8>)| {
+        (path.to_string_lossy().replace('\\', "/"), blake3::hash(bytes).to_hex().to_string())
+    };
+    let manifest = Manifest {
+        schema: "subdiv-rtl/manifest/1",
+        core: draft.core,
+        top: top.clone(),
+        generator: format!("subdiv-rtl {version}"),
+        command: command.clone(),
+        parameters: draft.parameters,
+        ports: manifest::ports(module),
+        streams: draft.streams,
+        latency: draft.latency,
+        initiation_interval: draft.initiation_interval,
+        counts: Counts::of(module),
+        proofs: draft.proofs,
+        names: manifest::names(module),
+        hashes: files.iter().map(hash).collect(),
+    };
+    let json = serde_json::to_string_pretty(&manifest)
+        .map_err(|e| Error::new(Kind::ToolFailed, format!("the manifest cannot be written: {e}")))?;
+    files.push(("manifest.json".into(), format!("{json}\n").into_bytes()));
+    Ok(Package { top, files })
 }
 
 impl Package {
