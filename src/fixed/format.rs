@@ -31,7 +31,7 @@ impl Format {
             .then_some(Format { integer, fraction })
     }
 
-    /// Total bits; W where widths are derived from it.
+    /// Total bits, W.
     pub fn width(self) -> u32 {
         self.integer + self.fraction
     }

@@ -19,7 +19,8 @@ pub struct Range {
 }
 
 impl Range {
-    /// Wider words than this are refused, so that `i128` arithmetic on ranges can never overflow.
+    /// Wider words than this are refused. A range that leaves `i128` on the way there stays at its ends,
+    /// and so is too wide, never wrong.
     pub const WIDEST: u32 = 120;
 
     pub fn new(min: i128, max: i128) -> Self {
@@ -82,21 +83,21 @@ impl Range {
 impl Add for Range {
     type Output = Range;
     fn add(self, other: Range) -> Range {
-        Range::new(self.min + other.min, self.max + other.max)
+        Range::new(self.min.saturating_add(other.min), self.max.saturating_add(other.max))
     }
 }
 
 impl Neg for Range {
     type Output = Range;
     fn neg(self) -> Range {
-        Range::new(-self.max, -self.min)
+        Range::new(self.max.saturating_neg(), self.min.saturating_neg())
     }
 }
 
 impl Mul<i128> for Range {
     type Output = Range;
     fn mul(self, factor: i128) -> Range {
-        let (a, b) = (self.min * factor, self.max * factor);
+        let (a, b) = (self.min.saturating_mul(factor), self.max.saturating_mul(factor));
         Range::new(a.min(b), a.max(b))
     }
 }

@@ -95,15 +95,6 @@ impl Builder {
         sum.terms.iter().flat_map(split).collect()
     }
 
-    #[track_caller]
-    fn fail_at(&self, place: &'static Location<'static>, error: impl FnOnce(&super::Module) -> Error) {
-        self.fail(|m| error(m));
-        let mut state = self.0.borrow_mut();
-        if let Some(kept) = state.error.as_mut() {
-            kept.place = Some(format!("{}:{}", place.file(), place.line()));
-        }
-    }
-
     fn add_at(
         &self,
         place: &'static Location<'static>,
@@ -190,6 +181,17 @@ impl Builder {
         if drop == 0 {
             return of;
         }
+        let word = of.word();
+        if word.modular {
+            self.fail(|m| {
+                let name = m.describe(of.id);
+                Error::usage(format!(
+                    "{name} is known only modulo 2^{}: its high bits cannot be read",
+                    word.width()
+                ))
+                .help("claim its range first")
+            });
+        }
         let half = 1i128 << (drop - 1);
         let biased = match mode {
             Rounding::Floor | Rounding::Exact => of,
@@ -211,16 +213,6 @@ impl Builder {
     #[track_caller]
     fn shift_right(&self, of: &Signal, amount: u32, exact: bool) -> Signal {
         let word = of.word();
-        if word.modular {
-            self.fail(|m| {
-                let name = m.describe(of.id);
-                Error::usage(format!(
-                    "{name} is known only modulo 2^{}: its high bits cannot be read",
-                    word.width()
-                ))
-                .help("claim its range first")
-            });
-        }
         let range = word.range.shift_right(amount);
         let result = Word { range, fraction: word.fraction - amount as i32, modular: false };
         self.add(Cell::ShiftRight { of: of.id, amount, exact }, result, of.time())

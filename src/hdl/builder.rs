@@ -283,12 +283,17 @@ impl Builder {
     /// Keeps the first mistake.
     #[track_caller]
     pub(super) fn fail(&self, error: impl FnOnce(&Module) -> Error) {
-        let place = Location::caller();
-        let mut state = self.0.borrow_mut();
-        if state.error.is_none() {
-            let error = error(&state.module).at(format!("{}:{}", place.file(), place.line()));
-            state.error = Some(error);
+        self.fail_at(Location::caller(), error);
+    }
+
+    /// Keeps the first mistake, made on another line than the one that found it.
+    pub(super) fn fail_at(&self, place: &Location, error: impl FnOnce(&Module) -> Error) {
+        if self.0.borrow().error.is_some() {
+            return;
         }
+        // The message reads the module, and asks signals for their words: nothing may be locked for writing.
+        let error = error(&self.0.borrow().module).at(format!("{}:{}", place.file(), place.line()));
+        self.0.borrow_mut().error = Some(error);
     }
 }
 

@@ -73,7 +73,8 @@ impl Builder {
     pub(super) fn align(&self, signals: &mut [Signal]) -> Option<u32> {
         let time = signals.iter().filter_map(Signal::time).max()?;
         let early = signals.iter().find(|s| s.time().is_some_and(|t| t < time)).cloned();
-        if let (Some(early), true) = (&early, self.0.borrow().strict) {
+        let strict = self.0.borrow().strict;
+        if let (Some(early), true) = (&early, strict) {
             let late = signals.iter().find(|s| s.time() == Some(time)).cloned();
             self.fail(|m| {
                 let late = late.map(|l| m.describe(l.id)).unwrap_or_default();
