@@ -12,6 +12,8 @@
 //! 1. Greedy: the longest free run of any chord becomes a strip, until no quad is free.
 //! 2. Chord by chord: with all other choices fixed, the choices along one chord that give the most links are
 //!    found exactly (a chain: link or cross links, quad by quad), until no chord improves.
+//! 3. Shaken: a stretch of some chord is turned along it and step 2 taken again; kept unless that makes more
+//!    strips. The stretches come from a fixed sequence of numbers, fewer for larger meshes.
 //!
 //! The second step starts from the greedy cut and from both cuts of the thesis, and the fewest strips win, so
 //! this cut never has more strips than those. To find the fewest possible is a hard problem for meshes whose
@@ -21,12 +23,15 @@ use super::walk::{fewest_neighbours, walk};
 use super::{Strip, across};
 use crate::surface::catmull_clark::quad_mesh::QuadMesh;
 use std::cmp::Reverse;
-use std::collections::BinaryHeap;
+use std::collections::{BTreeSet, BinaryHeap};
 
 /// The axis that each quad chose: 0 crosses its sides 0 and 2, 1 its sides 1 and 3.
 type Axes = Vec<u8>;
 
-/// The fewest strips that the two steps find.
+/// Stretches to turn, times quads.
+const SHAKES: usize = 400_000;
+
+/// The fewest strips that the three steps find.
 pub fn natural(mesh: &QuadMesh) -> Vec<Strip> {
     let chords = chords(mesh);
     let starts = [greedy(mesh, &chords), axes_of(mesh, &walk(mesh)), axes_of(mesh, &fewest_neighbours(mesh))];
@@ -34,7 +39,26 @@ pub fn natural(mesh: &QuadMesh) -> Vec<Strip> {
         improve(mesh, &chords, &mut axes);
         strips_of(mesh, &axes)
     });
-    improved.min_by_key(Vec::len).unwrap_or_default()
+    let mut best = improved.min_by_key(Vec::len).unwrap_or_default();
+    let mut number = 0u64;
+    let mut below = |n: usize| {
+        number = number.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (number >> 33) as usize % n
+    };
+    for _ in 0..(SHAKES / mesh.quads().len()).min(1000) {
+        let row = &chords[below(chords.len())].half_edges;
+        let (first, length) = (below(row.len()), 1 + below(row.len()));
+        let mut axes = axes_of(mesh, &best);
+        for h in row.iter().skip(first).take(length) {
+            axes[*h as usize / 4] = (h % 2) as u8;
+        }
+        improve(mesh, &chords, &mut axes);
+        let strips = strips_of(mesh, &axes);
+        if strips.len() <= best.len() {
+            best = strips;
+        }
+    }
+    best
 }
 
 fn axes_of(mesh: &QuadMesh, strips: &[Strip]) -> Axes {
@@ -137,28 +161,36 @@ fn linked(mesh: &QuadMesh, axes: &Axes, half_edge: u32) -> bool {
     mesh.topology().opposite(half_edge).is_some_and(|opposite| along(half_edge) && along(opposite))
 }
 
-fn links(mesh: &QuadMesh, axes: &Axes) -> usize {
-    mesh.topology().edges().filter(|e| linked(mesh, axes, e.half_edge)).count()
-}
-
 /// Chord after chord takes its best choices until none improves.
 fn improve(mesh: &QuadMesh, chords: &[Chord], axes: &mut Axes) {
-    let mut most = links(mesh, axes);
-    loop {
-        let before = most;
-        for chord in chords {
-            let old = axes.clone();
-            choose(mesh, chord, axes);
-            if *axes == old {
-                continue;
+    let mut on_chord = vec![usize::MAX; mesh.quads().len()];
+    let quads: Vec<BTreeSet<u32>> =
+        chords.iter().map(|chord| chord.half_edges.iter().map(|h| h / 4).collect()).collect();
+    // Twice the links that the quads of a chord have.
+    let links = |c: usize, axes: &Axes, on_chord: &[usize]| -> usize {
+        let links = |h: u32| match mesh.topology().opposite(h) {
+            Some(opposite) if linked(mesh, axes, h) => {
+                2 - usize::from(on_chord[opposite as usize / 4] == c) // seen from both sides
             }
+            _ => 0,
+        };
+        quads[c].iter().flat_map(|q| 4 * q..4 * q + 4).map(links).sum()
+    };
+    loop {
+        let mut better = false;
+        for (c, chord) in chords.iter().enumerate() {
+            chord.half_edges.iter().for_each(|&h| on_chord[h as usize / 4] = c);
+            let old: Vec<u8> = chord.half_edges.iter().map(|&h| axes[h as usize / 4]).collect();
+            let before = links(c, axes, &on_chord);
+            choose(mesh, chord, axes);
             // On a chord that meets itself the choices are not independent, so the best is not always better.
-            match links(mesh, axes) {
-                links if links > most => most = links,
-                _ => *axes = old,
+            if links(c, axes, &on_chord) > before {
+                better = true;
+            } else {
+                chord.half_edges.iter().zip(old).for_each(|(&h, axis)| axes[h as usize / 4] = axis);
             }
         }
-        if most == before {
+        if !better {
             return;
         }
     }
