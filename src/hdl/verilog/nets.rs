@@ -224,7 +224,10 @@ impl<'a> Demands<'a> {
             Cell::Slice { of, low } => self.read(*of, *low, width, true, name),
             Cell::Wrap { of } | Cell::Claim { of, .. } => {
                 let own = self.module.node(*of).word.width();
-                self.read(*of, 0, width.min(own), own != width, name);
+                // Whoever reads through a wrap that has no name reads what it wraps.
+                let through = self.module.node(id).name.is_none()
+                    && (self.partial[id.index()] || self.count[id.index()] > 1);
+                self.read(*of, 0, width.min(own), own != width || through, name);
             }
             Cell::Select { condition, on_true, on_false } => {
                 self.read_whole(*condition, name);
