@@ -4,6 +4,7 @@
 
 mod result;
 mod run;
+mod strips;
 
 pub use run::is_mismatch;
 
@@ -76,6 +77,10 @@ pub struct Core {
     /// Fraction bits of the vertices [default: those of the coordinates]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..Format::WIDEST as i64))]
     pub output_fraction: Option<u32>,
+
+    /// Catmull-Clark: keep this many more fraction bits on every level [default: 6 a level, exact]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=42))]
+    pub guard: Option<u32>,
 
     /// The finest level the core is made for [default: 8, or the level if that is finer]
     #[arg(long, value_name = "N", value_parser = level())]
@@ -156,6 +161,8 @@ pub enum Scheme {
     /// Triangles, after Charles Loop
     #[default]
     Loop,
+    /// Quads in strips, after Catmull and Clark; other polygons become quads by one step
+    CatmullClark,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, ValueEnum)]
@@ -202,6 +209,8 @@ pub struct Settings {
     pub output_fraction: Option<u32>,
     pub max_level: u32,
     pub registers: Registers,
+    /// Guard bits of the strip core; nothing: exact.
+    pub guard: Option<u32>,
     pub simulators: Simulators,
     pub back_pressure: Stall,
     pub input_gaps: Stall,
@@ -284,6 +293,7 @@ impl Args {
             output_fraction: self.core.output_fraction,
             max_level,
             registers: self.core.registers,
+            guard: self.core.guard,
             simulators: simulators(&self.run.simulator)?,
             back_pressure: self.run.back_pressure,
             input_gaps: self.run.input_gaps,

@@ -109,12 +109,11 @@ fn object(found: &Found) -> Value {
         "back_pressure": found.settings.back_pressure.to_string(),
         "input_gaps": found.settings.input_gaps.to_string(),
         "seed": found.settings.seed,
-        "simulators": found.outcomes.iter().map(|o| simulator(found, o)).collect::<Vec<_>>(),
+        "simulators": found.outcomes.iter().map(|o| simulator(o, &|beat| found.bench.locate(beat))).collect::<Vec<_>>(),
     })
 }
 
-fn simulator(found: &Found, outcome: &Outcome) -> Value {
-    let locate = |beat| found.bench.locate(beat);
+pub(super) fn simulator(outcome: &Outcome, locate: &dyn Fn(u64) -> String) -> Value {
     let mut object = json!({
         "name": outcome.name,
         "version": outcome.version,
@@ -128,7 +127,7 @@ fn simulator(found: &Found, outcome: &Outcome) -> Value {
         "cached": outcome.cached,
     });
     if !outcome.failures.is_empty() {
-        let failures = outcome.failures.iter().map(|f| f.describe(&locate)).collect::<Vec<_>>();
+        let failures = outcome.failures.iter().map(|f| f.describe(locate)).collect::<Vec<_>>();
         object["failures"] = json!(failures);
         object["vcd"] = json!(outcome.vcd.as_ref().map(|path| path.display().to_string()));
     }
@@ -173,7 +172,6 @@ fn text(found: &Found, verdict: &Verdict) -> String {
         thousands(found.drawn.distinct_vertices() as u128)
     );
     facts.row(["surface", &surface]);
-    let tone = |good: bool| if good { Tone::Good } else { Tone::Bad };
     let cracks = format!("{}", found.drawn.cracks());
     facts.row([Cell::from("cracks"), Cell::new(cracks, tone(found.drawn.cracks() == 0))]);
     if let Some(error) = found.error {
@@ -186,17 +184,31 @@ fn text(found: &Found, verdict: &Verdict) -> String {
         facts.row([Cell::from("error"), Cell::new(line, tone(error.max <= found.bound + error.uncertainty))]);
     }
 
+    let runs = runs("vertex pairs", found.outcomes);
+    let written = match verdict {
+        Verdict::Right => written(found.settings),
+        Verdict::Wrong(_) => String::new(),
+    };
+    format!("{facts}\n{runs}{written}")
+}
+
+pub(super) fn tone(good: bool) -> Tone {
+    if good { Tone::Good } else { Tone::Bad }
+}
+
+/// A row for each simulator; `beats` is what a beat is called.
+pub(super) fn runs(beats: &str, outcomes: &[Outcome]) -> Table {
     let mut runs = Table::new(&[
         ("simulator", Align::Left),
         ("version", Align::Left),
-        ("vertex pairs", Align::Right),
+        (beats, Align::Right),
         ("clocks", Align::Right),
         ("mismatches", Align::Right),
         ("build", Align::Right),
         ("run", Align::Right),
         ("verdict", Align::Left),
     ]);
-    for outcome in found.outcomes {
+    for outcome in outcomes {
         let passed = outcome.passed();
         runs.row([
             Cell::from(outcome.name.clone()),
@@ -213,15 +225,11 @@ fn text(found: &Found, verdict: &Verdict) -> String {
             Cell::new(if passed { "equal, bit for bit" } else { "DIFFERS" }, tone(passed)),
         ]);
     }
-    let written = match verdict {
-        Verdict::Right => written(found.settings),
-        Verdict::Wrong(_) => String::new(),
-    };
-    format!("{facts}\n{runs}{written}")
+    runs
 }
 
 /// Where the results are.
-fn written(settings: &Settings) -> String {
+pub(super) fn written(settings: &Settings) -> String {
     let picture = settings.picture.as_ref().map(|p| &p.file);
     let files = [
         ("fine mesh", settings.fine_mesh.as_ref()),

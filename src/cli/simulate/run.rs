@@ -7,11 +7,11 @@ use std::rc::Rc;
 use glam::DVec3;
 
 use super::result::{self, Found, Verdict};
-use super::{Colour, Picture, Settings, SimulatorName, Simulators, Source};
+use super::{Colour, Picture, Scheme, Settings, SimulatorName, Simulators, Source, strips};
 use crate::cli::progress::Progress;
 use crate::cores::loop_fd::{Parameters, build};
 use crate::cosim::loop_bench::{self, LoopBench};
-use crate::cosim::{self, Builtin, Clocked, External, Model, Outcome, Simulator, Stimulus, Tool};
+use crate::cosim::{self, Beat, Builtin, Clocked, Dut, External, Model, Outcome, Simulator, Stimulus, Tool};
 use crate::error::{Error, Kind, Result};
 use crate::fixed::Format;
 use crate::hdl::{Module, verilog};
@@ -27,6 +27,9 @@ use crate::surface::table::Table;
 /// Runs everything and prints the result. Files are written only when all is right; an error of kind
 /// `Mismatch` when a bit differs.
 pub fn run(settings: &Settings) -> Result<()> {
+    if settings.scheme == Scheme::CatmullClark {
+        return strips::run(settings);
+    }
     let (mesh, notes) = load(settings)?;
     let coordinates = match settings.coordinates {
         Some(format) => format,
@@ -81,14 +84,16 @@ pub fn run(settings: &Settings) -> Result<()> {
 }
 
 /// The control mesh, checked, with what there is to say about it.
-fn load(settings: &Settings) -> Result<(Mesh, Vec<String>)> {
+pub(super) fn load(settings: &Settings) -> Result<(Mesh, Vec<String>)> {
     let mesh = match &settings.source {
         Source::File(path) => mesh::read(path)?,
         Source::Shape(name) => mesh::shape(name)?,
     };
     let mesh = if settings.triangulate { mesh.triangulated() } else { mesh };
-    mesh.triangles()?;
-    Topology::new(&mesh)?.check_valences(&mesh, 3..=MAX_VALENCE, 2..=MAX_VALENCE)?;
+    if settings.scheme == Scheme::Loop {
+        mesh.triangles()?;
+        Topology::new(&mesh)?.check_valences(&mesh, 3..=MAX_VALENCE, 2..=MAX_VALENCE)?;
+    }
     let notes = mesh.notes.clone();
     Ok((mesh, notes))
 }
@@ -102,20 +107,35 @@ fn simulate(
 ) -> Result<Vec<Outcome>> {
     let sources = verilog::print(core, &package::loop_fd::command(parameters))?;
     let dut = loop_bench::device(core, &sources);
-    let simulators = simulators(settings, core)?;
-    let mut stimulus = Stimulus {
+    let mut stimulus = stimulus(settings, take(&mut bench.input), take(&mut bench.expected));
+    stimulus.expected_clocks = Some(bench.clocks(core, &stimulus).total);
+    run_all(settings, core, &dut, stimulus)
+}
+
+/// Vectors under the stalls that were asked for.
+pub(super) fn stimulus(settings: &Settings, input: Vec<Beat>, expected: Vec<Beat>) -> Stimulus {
+    Stimulus {
         back_pressure: settings.back_pressure,
         gaps: settings.input_gaps,
         seed: settings.seed,
-        ..Stimulus::new(take(&mut bench.input), take(&mut bench.expected))
-    };
-    stimulus.expected_clocks = Some(bench.clocks(core, &stimulus).total);
+        ..Stimulus::new(input, expected)
+    }
+}
+
+/// The verdict of every simulator that was asked for.
+pub(super) fn run_all(
+    settings: &Settings,
+    core: &Rc<Module>,
+    dut: &Dut,
+    mut stimulus: Stimulus,
+) -> Result<Vec<Outcome>> {
+    let simulators = simulators(settings, core)?;
 
     let mut outcomes = vec![];
     for simulator in &simulators {
         let _shown = Progress::waiting(format!("simulating with {}", simulator.name()));
         stimulus.vcd = Some(waveform(settings, simulator.name()));
-        outcomes.push(simulator.run(&dut, &stimulus)?);
+        outcomes.push(simulator.run(dut, &stimulus)?);
     }
     Ok(outcomes)
 }
@@ -253,7 +273,7 @@ impl Surface<'_> {
 }
 
 /// Each edge of the control mesh once.
-fn control_edges(mesh: &Mesh) -> Vec<[u32; 2]> {
+pub(super) fn control_edges(mesh: &Mesh) -> Vec<[u32; 2]> {
     let sides =
         mesh.faces.iter().flat_map(|face| (0..face.len()).map(|i| [face[i], face[(i + 1) % face.len()]]));
     let mut edges: Vec<[u32; 2]> = sides.map(|[a, b]| [a.min(b), a.max(b)]).collect();
