@@ -15,23 +15,22 @@ use crate::error::Result;
 use crate::fixed::{Range, Rounding};
 use crate::hdl::{Builder, Module, Signal, Word};
 
-/// A rounder of numerators known modulo 2^`modulus`, for results of `width` bits, `fraction` of them
-/// behind the point.
+/// A rounder of numerators known modulo 2^`modulus`, for results of this range with `fraction` bits behind
+/// the point.
 ///
 /// Inputs: `numerator`, and `valid`, which says when it means anything. Output: `rounded`.
 /// Whenever `valid` is 1 the numerator lies within 3 * 2^`shift` times the range of the result; that is
 /// the claim to be proved.
-pub fn build(modulus: u32, shift: u32, width: u32, fraction: u32) -> Result<Rc<Module>> {
+pub fn build(modulus: u32, shift: u32, result: Range, fraction: u32) -> Result<Rc<Module>> {
     let m = Builder::new("rounder");
     m.purpose(format!(
         "rounded = floor(numerator / (3 * 2^{shift}) + 1/2), correctly rounded for every numerator"
     ));
     m.parameter("modulus", format!("2^{modulus}"));
-    m.parameter("result_width", width);
+    m.parameter("result", result);
     let numerator = m.input("numerator", Word::modular(modulus));
     let valid = m.input("valid", Word::bit());
 
-    let result = Range::signed(width);
     let claimed = Word::from(result * (3i128 << shift));
     // Read as a fixed-point number, it is three times the coordinate.
     let point = (shift + fraction) as i32;

@@ -56,6 +56,8 @@ pub struct Model {
     output: StreamNodes,
     /// Whether a beat stands at the input.
     offered: bool,
+    /// Of the noise before reset.
+    seed: u64,
     waveform: Option<(Waveform, u64)>,
     /// A waveform that could not be written is reported at the end, not in the middle of a run.
     failed: Option<std::io::Error>,
@@ -99,7 +101,12 @@ impl Model {
         let (input, output) = (nodes("s_axis", &shapes[0])?, nodes("m_axis", &shapes[1])?);
         let simulator = Simulator::new(flat, Integers);
         let (top, offered) = (core.name.clone(), false);
-        Ok(Model { top, simulator, shapes, input, output, offered, waveform: None, failed: None })
+        Ok(Model { top, simulator, shapes, input, output, offered, seed: 1, waveform: None, failed: None })
+    }
+
+    /// Another noise in the registers before reset.
+    pub fn with_seed(self, seed: u64) -> Model {
+        Model { seed, ..self }
     }
 
     fn flag(&self, node: NodeId) -> bool {
@@ -145,6 +152,7 @@ impl Model {
 
 impl Clocked for Model {
     fn reset(&mut self) {
+        self.simulator.scramble(self.seed);
         for node in [self.input.valid, self.output.ready] {
             self.simulator.set(node, 0);
         }

@@ -72,20 +72,27 @@ fn packets(parameters: Parameters, seed: u64) -> Vec<Packet> {
     let mut dice = Dice { xorshift: Xorshift::new(seed), parameters, bounds: (0, 0) };
     let mut kinds: Vec<(u32, Kind)> = vec![];
     for level in 0..=most {
+        kinds.extend([Kind::Least, Kind::Greatest].map(|kind| (level, kind)));
+        // Short patches come often: a vertex of theirs costs no more, and each one is rounded.
         let often = match level {
-            // A patch of level 0 has the fewest vertices, and each of them is rounded.
-            0 => 12,
-            1 => 6,
-            2..=5 => 2,
-            // Long patches come once.
+            0..=2 => 12,
+            3 => 8,
+            4 => 3,
+            5 => 1,
+            // Long ones come once.
             _ => {
+                kinds.truncate(kinds.len() - 2);
                 kinds.push((level, if level % 2 == 0 { Kind::Any } else { Kind::Extreme }));
                 continue;
             }
         };
-        kinds.extend([Kind::Least, Kind::Greatest].map(|kind| (level, kind)));
-        let each = [Kind::Any, Kind::Extreme, Kind::Near, Kind::Tie];
-        kinds.extend((0..often).flat_map(|_| each).map(|kind| (level, kind)));
+        let each = [Kind::Tie, Kind::Near, Kind::Any, Kind::Extreme];
+        kinds.extend(
+            (0..often)
+                .flat_map(|_| each[..if level < 2 { 4 } else { 2 }].iter().copied())
+                .map(|kind| (level, kind)),
+        );
+        kinds.extend([Kind::Any, Kind::Extreme].map(|kind| (level, kind)));
     }
     dice.shuffle(&mut kinds);
     let broken = broken(most);
@@ -175,25 +182,34 @@ impl Dice {
         Packet { level: 0, points }
     }
 
-    /// Moves one control point so that the numerator of some vertex, of which
-    /// floor(N / (3 * 2^s) + 1/2) is sent, comes as close to a half as the point's weight allows.
+    /// Moves one or two control points so that the numerator N of some vertex, of which
+    /// floor(N / (3 * 2^s) + 1/2) is sent, is a half exactly, or one less.
     fn tie(&mut self, level: u32, points: &mut [[i128; 3]], axis: usize) {
         let steps = 1u64 << level;
         let i = self.xorshift.below(steps + 1);
         let j = self.xorshift.below(steps + 1 - i);
-        let mask = basis::mask(level, i as u32, j as u32);
-        let numerator: i128 = mask.iter().zip(&*points).map(|(&m, p)| i128::from(m) * p[axis]).sum();
+        let mask = basis::mask(level, i as u32, j as u32).map(i128::from);
+        let numerator: i128 = mask.iter().zip(&*points).map(|(&m, p)| m * p[axis]).sum();
         let unit = 3i128 << self.parameters.shift();
-        let weights = mask.iter().enumerate().filter(|(_, weight)| **weight > 0);
-        let Some((point, &weight)) = weights.min_by_key(|(_, weight)| **weight) else { return };
-        let missing = (unit / 2 - numerator).rem_euclid(unit) - i128::from(self.xorshift.below(2) as u8);
-        let (up, down) = (missing.div_euclid(weight.into()), (missing - unit).div_euclid(weight.into()));
-        let within = |move_by: &i128| {
-            let moved = points[point][axis] + move_by;
-            self.bounds.0 <= moved && moved <= self.bounds.1
-        };
-        if let Some(move_by) = [up, down].into_iter().find(within) {
-            points[point][axis] += move_by;
+        let missing = (unit / 2 - numerator).rem_euclid(unit) - self.below(2);
+        let Some(first) = (0..12).filter(|&p| mask[p] > 0).min_by_key(|&p| mask[p]) else { return };
+        // missing = weight of the first * its move + weight of the second * its move, up to whole units.
+        let seconds = (0..12).filter(|&p| p != first && mask[p] % mask[first] != 0).chain([first]);
+        for second in seconds {
+            for other in 0..mask[first] {
+                for missing in [missing, missing - unit] {
+                    let rest = missing - mask[second] * other;
+                    let mut moved = points.to_vec();
+                    moved[second][axis] += other;
+                    moved[first][axis] += rest.div_euclid(mask[first]);
+                    let inside =
+                        |p: usize| self.bounds.0 <= moved[p][axis] && moved[p][axis] <= self.bounds.1;
+                    if rest % mask[first] == 0 && inside(first) && inside(second) {
+                        points.copy_from_slice(&moved);
+                        return;
+                    }
+                }
+            }
         }
     }
 

@@ -259,7 +259,7 @@ impl Builder {
         self.add(Cell::Select { condition, on_true, on_false }, word, time)
     }
 
-    /// A relation between two numbers.
+    /// A relation between two numbers; a constant where their words decide it.
     #[track_caller]
     pub fn compare(&self, relation: Relation, left: impl Into<Expr>, right: impl Into<Expr>) -> Signal {
         let mut operands = vec![self.signal(left), self.signal(right)];
@@ -272,6 +272,9 @@ impl Builder {
                 Error::usage(format!("a comparison of {l} ({a}) with {r} ({b})"))
                     .help("compare numbers of one binary point; claim the range of a modular word first")
             });
+        }
+        if let Some(known) = decided(relation, left.all_bits(), right.all_bits()) {
+            return self.bit(known);
         }
         self.add(Cell::Compare { relation, left: left.id, right: right.id }, Word::bit(), time)
     }
@@ -290,6 +293,32 @@ impl Builder {
         let word = Word { range: Range::point(value), ..signal.word() };
         let constant = self.constant(value, word);
         self.compare(Relation::Equal, signal, &constant)
+    }
+}
+
+impl Signal {
+    /// Every number that the bits of the word can make, whatever its range says.
+    fn all_bits(&self) -> Range {
+        match (self.cell(), self.word()) {
+            (Cell::Constant(value), _) => Range::point(value),
+            (_, word) if word.is_signed() => Range::signed(word.width()),
+            (_, word) => Range::unsigned(word.width()),
+        }
+    }
+}
+
+/// What a comparison of any two numbers of these ranges gives, where it is always the same.
+fn decided(relation: Relation, a: Range, b: Range) -> Option<bool> {
+    match relation {
+        Relation::Less if a.max < b.min => Some(true),
+        Relation::Less if a.min >= b.max => Some(false),
+        Relation::LessOrEqual if a.max <= b.min => Some(true),
+        Relation::LessOrEqual if a.min > b.max => Some(false),
+        Relation::Equal | Relation::NotEqual if a.max < b.min || b.max < a.min => {
+            Some(relation == Relation::NotEqual)
+        }
+        Relation::Equal | Relation::NotEqual if a == b && a.min == a.max => Some(relation == Relation::Equal),
+        _ => None,
     }
 }
 

@@ -152,7 +152,7 @@ impl<const N: usize> LinearForms<N> {
 impl<const N: usize> Domain for LinearForms<N> {
     type Value = Value<N>;
 
-    fn unset(&self, _: Word) -> Value<N> {
+    fn unset(&self) -> Value<N> {
         Value::Unknown
     }
     fn integer(&self, value: i128) -> Value<N> {

@@ -6,7 +6,7 @@
 
 use super::Word;
 use super::cell::{Bitwise, Cell, NodeId, Relation};
-use super::flat::{Flat, FlatNode};
+use super::flat::Flat;
 use crate::error::{Error, Result};
 use crate::fixed::Range;
 
@@ -14,8 +14,8 @@ use crate::fixed::Range;
 pub trait Domain {
     type Value: Clone + PartialEq;
 
-    /// What a node, such as a register without a reset, or a word of a RAM, holds at first.
-    fn unset(&self, word: Word) -> Self::Value;
+    /// What a register without a reset, or a word of a RAM, holds at first.
+    fn unset(&self) -> Self::Value;
     fn integer(&self, value: i128) -> Self::Value;
     /// The integer, where the value is one: addresses and conditions must be.
     fn as_integer(&self, value: &Self::Value) -> Option<i128>;
@@ -43,16 +43,17 @@ pub struct Simulator<D: Domain> {
 
 impl<D: Domain> Simulator<D> {
     pub fn new(flat: Flat, domain: D) -> Self {
-        let start = |node: &FlatNode| match node.node.cell {
-            Cell::Constant(constant) => domain.integer(constant),
-            _ => domain.unset(node.node.word),
-        };
-        let values = flat.nodes.iter().map(start).collect();
+        let mut values = vec![domain.unset(); flat.nodes.len()];
+        for (node, value) in flat.nodes.iter().zip(&mut values) {
+            if let Cell::Constant(constant) = node.node.cell {
+                *value = domain.integer(constant);
+            }
+        }
         let memories = flat
             .memories
             .iter()
             .map(|m| {
-                let mut words = vec![domain.unset(m.word); m.depth as usize];
+                let mut words = vec![domain.unset(); m.depth as usize];
                 m.contents.iter().zip(&mut words).for_each(|(&c, word)| *word = domain.integer(c));
                 words
             })
@@ -124,7 +125,7 @@ impl<D: Domain> Simulator<D> {
             let enabled = match self.enabled(enable, id) {
                 Ok(enabled) => enabled,
                 Err(_) if reset => {
-                    next.push((id, self.domain.unset(node.word)));
+                    next.push((id, self.domain.unset()));
                     continue;
                 }
                 Err(error) => return Err(error),
@@ -140,7 +141,7 @@ impl<D: Domain> Simulator<D> {
                 },
                 _ => Some(self.domain.latch(node.word, &self.values[value.index()])),
             };
-            next.push((id, taken.unwrap_or_else(|| self.domain.unset(node.word))));
+            next.push((id, taken.unwrap_or_else(|| self.domain.unset())));
         }
         for (index, memory) in self.flat.memories.iter().enumerate() {
             let Some(write) = &memory.write else { continue };
@@ -197,6 +198,30 @@ impl Simulator<Integers> {
     pub fn value_at(&self, index: usize) -> i128 {
         self.values[index]
     }
+
+    /// Noise in every register and in every word of RAM, as when the power comes on: who relies on a state
+    /// that no reset sets is seen. The seed decides.
+    pub fn scramble(&mut self, seed: u64) {
+        let mut state = seed;
+        // Two steps of Vigna's splitmix64.
+        let mut noise = |range: Range| {
+            let mut half = || {
+                state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
+                let mixed = (state ^ (state >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+                let mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+                mixed ^ (mixed >> 31)
+            };
+            range.wrap((u128::from(half()) << 64 | u128::from(half())) as i128)
+        };
+        for index in 0..self.flat.clocked.len() {
+            let id = self.flat.clocked[index];
+            self.change(id, noise(self.flat.node(id).word.range));
+        }
+        for (memory, words) in self.flat.memories.iter().zip(&mut self.memories) {
+            // The contents of a memory are there when the power comes on.
+            words.iter_mut().skip(memory.contents.len()).for_each(|word| *word = noise(memory.word.range));
+        }
+    }
 }
 
 /// Plain integers: exactly what the emitted Verilog does.
@@ -205,9 +230,8 @@ pub struct Integers;
 impl Domain for Integers {
     type Value = i128;
 
-    /// Bits that are not all 0, so that whoever relies on a register that no reset sets is seen.
-    fn unset(&self, word: Word) -> i128 {
-        word.range.wrap(0x5555_5555_5555_5555_5555_5555_5555_5555)
+    fn unset(&self) -> i128 {
+        0
     }
     fn integer(&self, value: i128) -> i128 {
         value

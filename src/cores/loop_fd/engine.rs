@@ -66,7 +66,7 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
     let rounder = rounder::build(
         parameters.modulus(),
         parameters.shift(),
-        parameters.output_width(),
+        parameters.output_range(),
         parameters.output_fraction,
     )?;
     let both = m.wire("valid_pair", &valid & &pair);

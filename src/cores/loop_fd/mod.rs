@@ -35,7 +35,7 @@ use std::fmt;
 use std::rc::Rc;
 
 use crate::error::{Error, Result};
-use crate::fixed::Format;
+use crate::fixed::{Format, Range};
 use crate::hdl::{Module, Word};
 
 pub use engine::DIFFERENCES;
@@ -136,9 +136,17 @@ impl Parameters {
         4 * self.max_level + 2 + self.coordinates.fraction - self.output_fraction
     }
 
-    /// The format of the output coordinates, as (width, fraction).
+    /// Every output coordinate, in units of the output. With fewer fraction bits than the control points
+    /// have, the largest ones round up to 2^(integer - 1), one unit above what the format holds.
+    pub fn output_range(self) -> Range {
+        let format = Range::signed(self.coordinates.integer + self.output_fraction);
+        let up = i128::from(self.output_fraction < self.coordinates.fraction);
+        Range::new(format.min, format.max + up)
+    }
+
+    /// Bits of an output coordinate.
     pub fn output_width(self) -> u32 {
-        self.coordinates.integer + self.output_fraction
+        self.output_range().width()
     }
 
     /// Bits of one lane of the input stream: the modulus in whole bytes.

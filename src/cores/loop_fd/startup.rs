@@ -51,7 +51,9 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
     let c21_c12 = m.pipelined("c21_c12", &c21 + &c12);
 
     // a = 2^r, b = 4^r, c = 8^r, d = 16^r.
-    let times = |name: &str, value: &Signal, power: u32| times_power(&m, name, value, &level, power);
+    let bits: Vec<Signal> =
+        (0..level.width()).map(|bit| m.wire(format!("level_{bit}"), m.slice(&level, bit, 1))).collect();
+    let times = |name: &str, value: &Signal, power: u32| times_power(&m, name, value, &bits, power);
     let d_c00 = times("d_c00", &c00, 4);
     let [c_c10, c_c01] = [("c_c10", &c10), ("c_c01", &c01)].map(|(n, v)| times(n, v, 3));
     let [b_c20, b_c02, b_c11] =
@@ -86,15 +88,14 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
 }
 
 /// `value * 2^(power * level)`: one shift for each bit of the level, two shifts per clock.
-fn times_power(m: &Builder, name: &str, value: &Signal, level: &Signal, power: u32) -> Signal {
+fn times_power(m: &Builder, name: &str, value: &Signal, level: &[Signal], power: u32) -> Signal {
     let mut shifted = value.clone();
-    for bit in 0..level.width() {
-        let chosen = m.slice(level, bit, 1);
+    for (bit, chosen) in level.iter().enumerate() {
         let amount = power << bit;
-        shifted = m.select(&chosen, &shifted << amount.min(100), &shifted);
+        shifted = m.select(chosen, &shifted << amount.min(100), &shifted);
         if bit % 2 == 1 {
             shifted = m.pipe(format!("{name}_part{}", bit / 2), &shifted);
         }
     }
-    if level.width() % 2 == 1 { m.pipe(name, &shifted) } else { m.wire(name, &shifted) }
+    if level.len() % 2 == 1 { m.pipe(name, &shifted) } else { m.wire(name, &shifted) }
 }

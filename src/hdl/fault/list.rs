@@ -7,7 +7,8 @@ use crate::hdl::simulate::Integers;
 
 /// All faults of a design, in an order that depends on the design alone.
 pub fn all(flat: &Flat) -> Vec<Fault> {
-    let list = List { flat, zeros: zeros(flat), constants: constants(flat), readers: readers(flat) };
+    let (zeros, constants, demands) = (zeros(flat), constants(flat), demands(flat));
+    let list = List { flat, zeros, constants, demands, readers: readers(flat) };
     let mut faults = vec![];
     let live = live(flat);
     for id in (0..flat.nodes.len() as u32).map(NodeId).filter(|id| live[id.index()]) {
@@ -32,6 +33,7 @@ struct List<'a> {
     flat: &'a Flat,
     zeros: Vec<u32>,
     constants: Vec<Option<i128>>,
+    demands: Vec<u32>,
     readers: Vec<Vec<NodeId>>,
 }
 
@@ -50,7 +52,8 @@ impl List<'_> {
                 lowest.sort_unstable();
                 if let Some(&second) = lowest.get(1) {
                     // A carry arises above the lowest bit that two operands have.
-                    changes.extend((second.saturating_add(1)..node.word.width()).map(Change::Carry));
+                    let width = node.word.width().min(self.demands[id.index()]);
+                    changes.extend((second.saturating_add(1)..width).map(Change::Carry));
                 }
                 for (index, term) in terms.iter().enumerate() {
                     changes.push(Change::TermShift(index, term.shift + 1));
@@ -126,6 +129,35 @@ impl List<'_> {
         }
         self.flat.describe(id)
     }
+}
+
+/// For each node how many of its lowest bits are read by anybody.
+fn demands(flat: &Flat) -> Vec<u32> {
+    let mut demands = vec![0; flat.nodes.len()];
+    let mut demand = |of: NodeId, bits: u32| {
+        let width = flat.node(of).word.width();
+        demands[of.index()] = demands[of.index()].max(bits.min(width));
+    };
+    for flat_node in &flat.nodes {
+        let width = flat_node.node.word.width();
+        match &flat_node.node.cell {
+            Cell::Wrap { of } | Cell::Claim { of, .. } => demand(*of, width),
+            Cell::Slice { of, low } => demand(*of, low + width),
+            Cell::Sum { terms, .. } => terms.iter().for_each(|t| demand(t.of, width.saturating_sub(t.shift))),
+            Cell::Register { next: Some(next), enable, .. } => {
+                demand(*next, width);
+                enable.iter().for_each(|&e| demand(e, 1));
+            }
+            cell => {
+                let reads = cell.combinational_inputs().into_iter().chain(cell.clocked_inputs());
+                reads.for_each(|of| demand(of, u32::MAX));
+            }
+        }
+    }
+    let writes = flat.memories.iter().filter_map(|m| m.write.as_ref());
+    writes.for_each(|w| [w.enable, w.address, w.data].into_iter().for_each(|of| demand(of, u32::MAX)));
+    flat.outputs.iter().for_each(|(_, id)| demand(*id, u32::MAX));
+    demands
 }
 
 /// What a cell always carries, where constants alone decide it.

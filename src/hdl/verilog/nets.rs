@@ -40,8 +40,11 @@ impl Nets {
         module.instances.iter().for_each(|i| drop(scope.allocate(&i.name)));
         for (index, node) in module.nodes.iter().enumerate() {
             if let Some(name) = &node.name {
-                nets.names.insert(NodeId(index as u32), name.clone());
                 scope.allocate(name);
+                // A constant is a literal wherever it is read.
+                if !matches!(node.cell, Cell::Constant(_)) {
+                    nets.names.insert(NodeId(index as u32), name.clone());
+                }
             }
         }
         for (index, node) in module.nodes.iter().enumerate() {
