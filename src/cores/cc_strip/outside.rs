@@ -148,7 +148,7 @@ fn weighted(
     let entry = |d: u32| m.constant(kappa64(d, bits), Word::range(0, kappa64(3, bits)));
     let mut weight = entry(4);
     for d in (3..=parameters.max_valence).filter(|d| *d != 4) {
-        weight = m.select(&m.is(valence, d.into()), &entry(d), &weight);
+        weight = m.select(&m.is(valence, d.into()), entry(d), &weight);
     }
     let weight = m.wire(name("weight"), &weight);
     let product = m.wire(name("weighted"), m.product(sum, &weight));

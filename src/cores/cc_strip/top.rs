@@ -43,7 +43,7 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
         &loader::control(parameters)?,
         &[("valid", &input.valid), ("user", &input.user), ("last", &input.last), ("taken", &taken[0])],
     );
-    m.output("s_axis_tready", &loader.out("ready"));
+    m.output("s_axis_tready", loader.out("ready"));
     let mut offer = gathered(&m, parameters, &loader, &input.lanes)?;
     for level in 0..parameters.levels {
         offer = subdivided(&m, parameters, level, offer, &taken)?;
@@ -131,7 +131,7 @@ fn subdivided(
             ("out_ready", &taken[next]),
         ],
     );
-    m.drive(&taken[this], m.wire(format!("goes_{level}"), &control.out("arrive")));
+    m.drive(&taken[this], m.wire(format!("goes_{level}"), control.out("arrive")));
     let unit = level::build(parameters, level)?;
     let [arrive, face] = ["arrive", "is_face"].map(|n| control.out(n));
     let [top, bottom] = ["top_degree", "bottom_degree"].map(|n| control.out(n));
