@@ -7,6 +7,7 @@ pub mod numbers;
 pub mod oracle;
 pub mod quad_mesh;
 mod refinement;
+pub mod repeat;
 pub mod rings;
 pub mod strips;
 pub mod table;

@@ -19,11 +19,11 @@
 //! * `Rim`: no ghosts. The records of the strips say where the gap is, and the strip engine needs the boundary
 //!   rules (`Corners::Smooth`, every number of edges from two on).
 //!
-//! Why ghosts cannot do more: the ring of a boundary vertex with n edges would have to be a part of a closed
-//! ring of some valence d whose steps commute with it, so the step of the half ring would have the eigenvalues
-//! and the Jordan blocks of the closed ring's. For even n the half ring has a Jordan block of the eigenvalue
-//! 1/4, and no closed ring has one (the corner with (A + 6V + B)/8 included). For odd n it needs cos(2 pi k/d)
-//! = 0 and = cos(pi j/(n-1)), so d = 2(n-1) = 8, 12, 16 and ghosts 19 and more times as far out.
+//! Why ghosts cannot do more: they would make the half ring of a boundary vertex with n edges a part of a closed
+//! ring whose step commutes with it, so the eigenvalues and Jordan blocks of the half ring's step would be among
+//! those of the closed ring's. But the half ring has a block of the eigenvalue 1/4 for even n (the corner with
+//! (A + 6V + B)/8 included) and of 1/2 for n = 5, 9, ..., and a closed ring has none of either. That leaves n = 3
+//! and n = 7, whose inner eigenvalues only a valence of 12 has (cos(2 pi k/d) = cos(pi j/6)).
 
 use crate::error::{Error, Result};
 use crate::surface::catmull_clark::masks::Corners;
