@@ -25,7 +25,7 @@ test: ## Run everything: format, lints, all tests (the slow ones too)
 	@sh tools/install.sh all
 	$(CARGO) fmt --all --check
 	$(CARGO) clippy --all-targets --locked -- -D warnings
-	$(CARGO) test --release --locked --no-fail-fast --lib --bins --tests -- --include-ignored
+	$(CARGO) test --release --locked --no-fail-fast --lib --bins --tests
 	$(CARGO) test --release --locked --doc
 
 lint: ## Check format and lints
