@@ -1,0 +1,76 @@
+//! Every emitted file is silent in Verilator (`-Wall`), Icarus (`-g2005 -Wall`) and Yosys, over the spread of
+//! parameters that the cores take.
+
+use std::path::Path;
+use std::process::Command;
+
+use subdiv_rtl::cores::cc_strip::{self, Precision};
+use subdiv_rtl::cores::loop_fd::{Parameters, RegisterForm};
+use subdiv_rtl::package;
+use subdiv_rtl::package::Package;
+
+/// The tools, each with the command that must say nothing. `TOP` is the top module.
+const COMMANDS: [(&str, &str); 3] = [
+    ("verilator", "verilator --lint-only -Wall --top-module TOP rtl/*.v"),
+    ("iverilog", "iverilog -g2005 -Wall -s TOP -o /dev/null rtl/*.v"),
+    ("yosys", "yosys -q -p 'read_verilog rtl/*.v; hierarchy -check -top TOP; proc; check -assert'"),
+];
+
+fn check(package: &Package, what: &str) {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    package.write(&folder.path().join("core"), false).expect("the core is written");
+    for (tool, command) in COMMANDS {
+        if Command::new(tool).arg("-V").output().is_err() {
+            println!("skipped: {tool} is not installed");
+            continue;
+        }
+        silent(&folder.path().join("core"), &command.replace("TOP", &package.top), what);
+    }
+}
+
+fn silent(folder: &Path, command: &str, what: &str) {
+    let output = Command::new("sh").args(["-c", command]).current_dir(folder).output().expect("a shell");
+    let said = [output.stdout, output.stderr].concat();
+    let said = String::from_utf8_lossy(&said);
+    assert!(output.status.success() && said.trim().is_empty(), "{what}: {command}\n{said}");
+}
+
+#[test]
+fn loop_fd_is_silent() {
+    let cases = [
+        ("Q12.12", 12, 8, 20),
+        ("Q12.12", 12, 8, 23),
+        ("Q12.12", 12, 8, 22),
+        ("Q12.12", 12, 8, 19),
+        ("Q2.2", 2, 0, 20),
+        ("Q4.8", 8, 1, 19),
+        ("Q4.8", 4, 2, 20),
+        ("Q1.31", 31, 10, 20),
+        ("Q8.8", 16, 5, 23),
+        ("Q2.0", 0, 3, 20),
+    ];
+    for (coordinates, fraction, level, registers) in cases {
+        let form = RegisterForm::from_count(registers).expect("a register form");
+        let format = coordinates.parse().expect("a format");
+        let parameters = Parameters::new(format, fraction, level, form).expect("a core that exists");
+        let what = format!("{coordinates}, output fraction {fraction}, level {level}, {registers} registers");
+        check(&package::loop_fd::package(parameters, level <= 3).expect(&what), &what);
+    }
+}
+
+#[test]
+fn cc_strip_is_silent() {
+    let cases = [
+        ("Q12.12", 12, 1, 4, Precision::Exact, 37),
+        ("Q4.8", 8, 2, 6, Precision::Exact, 25),
+        ("Q4.8", 6, 3, 5, Precision::Guard(0), 20),
+        ("Q2.14", 14, 3, 10, Precision::Guard(4), 29),
+    ];
+    for (coordinates, output_fraction, levels, max_valence, precision, table_bits) in cases {
+        let coordinates = coordinates.parse().expect("a format");
+        let parameters =
+            cc_strip::Parameters { coordinates, output_fraction, levels, max_valence, precision, table_bits };
+        let what = format!("{parameters:?}");
+        check(&package::cc_strip::package(parameters, true).expect(&what), &what);
+    }
+}
