@@ -11,3 +11,4 @@ pub mod repeat;
 pub mod rings;
 pub mod strips;
 pub mod table;
+pub mod winged;
