@@ -215,6 +215,16 @@ impl CcStrip {
         }
         for (c, column) in strip.columns.iter().enumerate() {
             for Outside { valence: d, fan, gap, .. } in &column.outside {
+                let open = [
+                    c == 0 && strip.guards[0].is_none() && *gap != Some(1),
+                    c == strip.len() && strip.guards[1].is_none() && gap.map(|g| g + 2) != Some(*d),
+                ];
+                if open.contains(&true) {
+                    return refuse(
+                        format!("column {c} has neither a guard nor a gap beside it"),
+                        "a strip ends at a guard or at a rim".into(),
+                    );
+                }
                 if !(3..=max_valence).contains(d) {
                     return refuse(
                         format!("column {c} has a vertex of valence {d}"),

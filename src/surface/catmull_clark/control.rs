@@ -17,6 +17,7 @@ use crate::error::{Error, Result};
 use crate::mesh::{Mesh, QuantisedMesh, Topology};
 use crate::surface::catmull_clark::masks::Corners;
 use crate::surface::catmull_clark::quad_mesh::QuadMesh;
+use crate::surface::catmull_clark::rings::{Boundary, no_ghost};
 use num_bigint::BigInt;
 use num_rational::BigRational;
 use num_traits::{One, ToPrimitive, Zero};
@@ -100,26 +101,47 @@ impl Control {
         }
     }
 
-    /// Checks that no interior vertex has more than `largest` edges.
+    /// Checks that no vertex has more than `largest` edges, the one that completes a boundary vertex counted.
     ///
     /// # Errors
     /// Names the vertex or face of `mesh`, the polygon mesh that this came from, and its place.
     pub fn check_valences(&self, mesh: &Mesh, largest: usize) -> Result<()> {
         let topology = self.mesh.topology();
-        let above = |&v: &u32| !topology.is_boundary(v) && topology.valence(v) as usize > largest;
-        let Some(v) = (0..topology.vertex_count()).find(above) else { return Ok(()) };
-        let valence = topology.valence(v);
+        let edges = |v: u32| topology.valence(v) + u32::from(topology.is_boundary(v));
+        let Some(v) = (0..topology.vertex_count()).find(|&v| edges(v) as usize > largest) else {
+            return Ok(());
+        };
+        let valence = edges(v);
         let (what, place) = match self.origin(v) {
             Origin::Face(f) => (format!("a face has {valence} corners"), mesh.face_place(f as usize)),
             Origin::Vertex(v) => {
-                (format!("vertex {} has {valence} edges", mesh.vertex_number(v)), mesh.vertex_place(v))
+                let completed =
+                    if topology.is_boundary(v) { ", one beyond the boundary counted" } else { "" };
+                let number = mesh.vertex_number(v);
+                (format!("vertex {number} has {valence} edges{completed}"), mesh.vertex_place(v))
             }
-            // The middle of an edge has three or four edges itself.
+            // The middle of an edge has four edges itself.
             Origin::Edge(_) => (format!("an edge of {valence} faces"), mesh.place().to_owned()),
         };
         Err(Error::input(format!("{what}, and the largest valence here is {largest}"))
             .at(place)
             .help("generate the core with a larger --max-valence (up to 16), or split the vertex"))
+    }
+
+    /// Checks that the boundary can be completed in the way asked for.
+    ///
+    /// # Errors
+    /// Names the first boundary vertex of `mesh` that has no ghosts, and its place.
+    pub fn check_boundary(&self, mesh: &Mesh, boundary: Boundary) -> Result<()> {
+        let topology = self.mesh.topology();
+        let without = |&v: &u32| topology.is_boundary(v) && topology.valence(v) > 3;
+        match (0..topology.vertex_count()).find(without) {
+            // New boundary vertices have three edges, so it is an old one, with its old number.
+            Some(v) if boundary == Boundary::Ghosts => {
+                Err(no_ghost(mesh.vertex_number(v), topology.valence(v)).at(mesh.vertex_place(v)))
+            }
+            _ => Ok(()),
+        }
     }
 }
 
@@ -272,6 +294,23 @@ mod tests {
         assert!(error.what.starts_with("vertex 0 has 32 edges"), "{error}");
         assert!(error.help.unwrap().contains("--max-valence"));
         assert!(control.check_valences(&mesh, 32).is_ok());
+    }
+
+    #[test]
+    fn a_boundary_vertex_without_ghosts_is_named() {
+        let mesh = shape("disc").unwrap();
+        let quantised = quantise(&mesh, Format::new(2, 12).unwrap()).unwrap();
+        let control = control(&mesh, &quantised, Corners::Smooth, 0).unwrap();
+        let error = control.check_boundary(&mesh, Boundary::Ghosts).unwrap_err();
+        assert!(error.what.contains("edges") && error.place.unwrap().starts_with("disc, vertex"));
+        assert!(control.check_boundary(&mesh, Boundary::Rim).is_ok());
+    }
+
+    #[test]
+    fn the_edge_that_completes_a_boundary_vertex_counts() {
+        let error =
+            of_shape("square-quads", 0).check_valences(&shape("square-quads").unwrap(), 3).unwrap_err();
+        assert!(error.what.contains("4 edges, one beyond the boundary counted"), "{error}");
     }
 
     use glam::DVec3;

@@ -88,7 +88,7 @@ pub fn cut_along(mesh: &QuadMesh, edges: &[[u32; 2]]) -> Result<Opened> {
         let around: Vec<u32> = topology.half_edges_around(v).collect();
         let is_cut = |&h: &u32| cut.contains(&topology.edge_of(h));
         // The boundary begins the fan of a boundary vertex; else it begins at the first cut.
-        let first = if topology.is_boundary(v) { Some(0) } else { around.iter().position(&is_cut) };
+        let first = if topology.is_boundary(v) { Some(0) } else { around.iter().position(is_cut) };
         let Some(first) = first else { continue };
         let mut copy = v;
         for i in 0..around.len() {

@@ -125,7 +125,7 @@ impl Rings {
                     vec![across[0], across[1], combine(&[(4, p), (1, d), (-2, a), (-2, b)])]
                 }
                 (Boundary::Ghosts, &[_, inner, _]) => vec![combine(&[(2, p), (-1, inner)])],
-                (Boundary::Ghosts, _) => return Err(no_ghost(v, ring.len())),
+                (Boundary::Ghosts, _) => return Err(no_ghost(v, topology.valence(v))),
                 (_, &[_, _]) => vec![p; 3],
                 _ => vec![p],
             };
@@ -162,7 +162,7 @@ impl Rings {
     }
 }
 
-fn no_ghost(v: u32, edges: usize) -> Error {
+pub(super) fn no_ghost(v: u32, edges: u32) -> Error {
     Error::input(format!("boundary vertex {v} has {edges} edges, and no ghost makes up for its other half"))
         .help("boundary vertices with two or three edges can have ghosts: use an engine with rims, or repeat the boundary vertices")
 }
