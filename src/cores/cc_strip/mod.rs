@@ -24,6 +24,7 @@ mod loader;
 mod outside;
 pub mod proof;
 mod top;
+pub mod view;
 
 use std::rc::Rc;
 
