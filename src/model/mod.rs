@@ -9,6 +9,7 @@
 //! Nothing here uses `hdl` or `cores`, and those use nothing from here, so that a mistake in one shows.
 
 pub mod cc_strip;
+pub mod cc_strip_clocks;
 pub mod loop_fd;
 pub mod loop_fd_clocks;
 pub mod render;
