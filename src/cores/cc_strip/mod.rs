@@ -19,12 +19,19 @@
 
 mod columns;
 mod control;
+pub mod finish;
+pub mod finish_proof;
 mod level;
+mod limit;
 mod loader;
+mod normals;
 mod outside;
 pub mod proof;
 mod top;
+mod unit;
+mod vectors;
 pub mod view;
+pub mod view_ports;
 
 use std::rc::Rc;
 
