@@ -8,7 +8,7 @@ use std::process::Command;
 use std::rc::Rc;
 use subdiv_rtl::cores::cc_strip::finish::{self, Finished, Kind, Parameters, finish};
 use subdiv_rtl::cores::cc_strip::view_ports::{self, view};
-use subdiv_rtl::fixed::Range;
+use subdiv_rtl::fixed::{Range, Rounding};
 use subdiv_rtl::hdl::{Builder, Flat, Integers, Module, Simulator, Word, verilog};
 use subdiv_rtl::model::cc_strip::around::Three;
 use subdiv_rtl::model::cc_strip::level::LevelColumn;
@@ -66,6 +66,7 @@ impl Case {
             word: Word::from(Range::signed(self.width) * (1i128 << extra)).fraction(FRACTION + extra as i32),
             output: Word::signed((self.width as i32 + self.extra_fraction) as u32 + carry)
                 .fraction(FRACTION + self.extra_fraction),
+            rounding: Rounding::HalfUp,
             levels: self.levels,
             max_valence: self.max_valence,
             limit: self.limit.then_some(self.width + 13),
@@ -255,9 +256,9 @@ fn random_window(case: &Case, level: u32, random: &mut Random) -> [LevelColumn; 
         }),
     };
     let mut window = [0; 3].map(|_| column(random));
-    for end in 0..2 {
+    for (end, valence) in valences.into_iter().enumerate() {
         // The one outside face of valence 3 lies between both neighbouring columns.
-        if valences[end] == 3 {
+        if valence == 3 {
             window[2].outside[end].left = window[0].outside[end].right;
         }
     }
@@ -368,6 +369,7 @@ fn what_a_stage_cannot_do_is_refused_with_a_remedy() {
     let good = case().parameters();
     let normals = |kind, point_fraction, unit| Some(finish::Normals { kind, point_fraction, unit });
     let bad = [
+        Parameters { rounding: Rounding::Exact, ..good },
         Parameters { output: Word::signed(16).fraction(FRACTION + 40), ..good },
         // -1/2^16 of 16 bits becomes 13 bits: the largest number is rounded up.
         Parameters { output: Word::signed(13).fraction(FRACTION - 3), ..good },

@@ -6,6 +6,7 @@ use super::{
     config::Config,
     output,
     progress::Progress,
+    strip_options::StripUnits,
     values::{FINEST_LEVEL, Registers, USUAL_MAX_LEVEL},
 };
 use crate::{
@@ -31,8 +32,8 @@ pub enum Core {
 
 /// The sliding window for quad strips of Catmull-Clark surfaces
 ///
-/// In come the columns of a strip of quads with what lies around them, out come the columns of the fine strip, one a
-/// clock. Every level is proved for every valence before anything is written.
+/// In come the columns of a strip of quads with what lies around them, out come the columns of the fine strip. Every
+/// level is proved for every valence before anything is written.
 #[derive(Debug, clap::Args)]
 pub struct CcStrip {
     /// Format of the control points: i integer bits with the sign, f fraction bits
@@ -43,9 +44,9 @@ pub struct CcStrip {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..Format::WIDEST as i64))]
     pub output_fraction: Option<u32>,
 
-    /// How often the strip is subdivided, 1 to 7
+    /// The most that a strip can be subdivided at run time, 1 to 7
     #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=7))]
-    pub level: u32,
+    pub max_level: u32,
 
     /// The largest valence of a vertex, 4 to 16
     #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u32).range(4..=16))]
@@ -58,6 +59,9 @@ pub struct CcStrip {
     /// Fraction bits of the table for irregular vertices [default: those of the coordinates and 13]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(8..=52))]
     pub table: Option<u32>,
+
+    #[command(flatten)]
+    pub unit: StripUnits,
 
     /// Write without the proof; the manifest says so
     #[arg(long)]
@@ -75,12 +79,13 @@ pub struct CcStrip {
 impl CcStrip {
     fn parameters(&self) -> cc_strip::Parameters {
         cc_strip::Parameters {
-            coordinates: self.coordinates,
             output_fraction: self.output_fraction.unwrap_or(self.coordinates.fraction),
-            levels: self.level,
-            max_valence: self.max_valence,
             precision: self.guard.map_or(cc_strip::Precision::Exact, cc_strip::Precision::Guard),
             table_bits: self.table.unwrap_or(self.coordinates.width() + 13),
+            schedule: self.unit.schedule.into(),
+            folded: self.unit.fold,
+            rows_per_clock: self.unit.rows_per_clock,
+            ..cc_strip::Parameters::exact(self.coordinates, self.max_level, self.max_valence)
         }
     }
 }

@@ -19,6 +19,7 @@ pub mod output;
 pub mod progress;
 pub mod shapes;
 pub mod simulate;
+pub mod strip_options;
 pub mod values;
 
 use crate::error::{Kind, Result};

@@ -8,6 +8,7 @@
 use std::rc::Rc;
 
 use super::core::port;
+use super::strip_lanes::Lanes;
 use crate::cores::cc_strip::{Parameters, Precision, Role};
 use crate::cosim::{Beat, Port};
 use crate::error::{Error, Result};
@@ -31,7 +32,9 @@ pub struct StripBench {
     pub expected: Vec<Beat>,
     pub statistics: Statistics,
     strips: Vec<Strip>,
-    levels: u32,
+    /// How often the strips are subdivided.
+    level: u32,
+    lanes: Lanes,
     output: Port,
 }
 
@@ -41,6 +44,7 @@ impl StripBench {
     pub fn new(
         core: &Rc<Module>,
         parameters: Parameters,
+        level: u32,
         mesh: &QuadMesh,
         rings: &Rings,
     ) -> Result<StripBench> {
@@ -55,37 +59,32 @@ impl StripBench {
             expected: vec![],
             statistics,
             strips,
-            levels: parameters.levels,
+            level,
+            lanes: Lanes::new(parameters, level),
             output,
         };
         for strip in numbers {
             let strip = strip.map(|&vertex| rings.positions()[vertex as usize]);
-            let words = words(&input, &strip).ok_or_else(|| {
+            let words = words(&input, level, &strip).ok_or_else(|| {
                 Error::input("a strip ends at a boundary where no ghosts can stand")
                     .help("the core needs a column beyond each end of a strip")
             })?;
             bench.input.extend(words);
-            let columns = reference.columns(parameters.levels, &strip)?;
-            let last = columns.len();
-            for (index, column) in columns.into_iter().enumerate() {
-                let numbers: Vec<i128> = column.vertices.as_flattened().iter().map(|&x| x.into()).collect();
-                let mut beat = bench.output.beat_of(&numbers);
-                beat.last = index + 1 == last;
-                bench.expected.push(beat);
-            }
+            bench.expected.extend(bench.lanes.beats(&bench.output, &reference.columns(level, &strip)?));
         }
         Ok(bench)
     }
 
     /// An output beat in the user's terms.
     pub fn locate(&self, beat: u64) -> String {
-        let mut column = beat;
+        let mut rest = beat;
         for (index, strip) in self.strips.iter().enumerate() {
-            let columns = ((strip.len() as u64) << self.levels) + 1;
-            if column < columns {
-                return format!("strip {index}, column {column}");
+            let beats = self.lanes.beats_of((strip.len() << self.level) + 1) as u64;
+            if rest < beats {
+                let (column, row) = self.lanes.first(rest as usize);
+                return format!("strip {index}, column {column}, from row {row}");
             }
-            column -= columns;
+            rest -= beats;
         }
         format!("beat {beat}")
     }
@@ -95,14 +94,15 @@ impl StripBench {
     /// # Errors
     /// A level that is too fine for any mesh.
     pub fn assemble<'a>(&self, mesh: &'a QuadMesh, received: &[(u64, Beat)]) -> Result<QuadAssembly<'a>> {
-        let grid = QuadGrid::new(mesh, self.levels)?;
-        let mut assembly = QuadAssembly::new(QuadGrid::new(mesh, self.levels)?);
+        let grid = QuadGrid::new(mesh, self.level)?;
+        let mut assembly = QuadAssembly::new(QuadGrid::new(mesh, self.level)?);
         let mut beats = received.iter().map(|(_, beat)| beat);
         for strip in &self.strips {
-            for column in 0..=strip.len() << self.levels {
+            let columns = (strip.len() << self.level) + 1;
+            for index in 0..self.lanes.beats_of(columns) {
                 let Some(beat) = beats.next() else { return Ok(assembly) };
-                for row in 0..=1usize << self.levels {
-                    let position = [0, 1, 2].map(|axis| self.output.number(beat, 3 * row + axis) as i64);
+                for (lane, column, row) in self.lanes.places(index, columns) {
+                    let position = [0, 1, 2].map(|axis| self.output.number(beat, 3 * lane + axis) as i64);
                     assembly.put(strip.fine_vertex(&grid, column, row), position);
                 }
             }
@@ -129,11 +129,11 @@ pub fn reference_parameters(parameters: Parameters) -> reference::Parameters {
 /// The words of a strip with guards at both ends, in the shape of the core's input port.
 ///
 /// Nothing for a strip with rims: it has columns that no guard stands beside.
-pub fn words(port: &Port, strip: &StripRecords<Point>) -> Option<Vec<Beat>> {
+pub fn words(port: &Port, level: u32, strip: &StripRecords<Point>) -> Option<Vec<Beat>> {
     let [Some(left), Some(right)] = &strip.guards else { return None };
     let mut words = vec![];
     guard(port, left, Role::OutsideRight, &mut words);
-    words.iter_mut().for_each(|word| word.user |= 1 << 8);
+    words[0].user |= u64::from(level) << 8;
     for column in &strip.columns {
         for (vertex, outside) in column.vertices.iter().zip(&column.outside) {
             words.push(word(port, Role::Vertex, outside.valence, vertex));

@@ -10,6 +10,7 @@ pub use run::is_mismatch;
 
 use super::{
     output::{self, FormatArg},
+    strip_options::StripUnits,
     values::{FINEST_LEVEL, Registers, USUAL_MAX_LEVEL},
 };
 use crate::{
@@ -56,6 +57,9 @@ pub struct Args {
     pub core: Core,
 
     #[command(flatten)]
+    pub units: StripUnits,
+
+    #[command(flatten)]
     pub run: Run,
 
     #[command(flatten)]
@@ -82,7 +86,7 @@ pub struct Core {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=42))]
     pub guard: Option<u32>,
 
-    /// The finest level the core is made for [default: 8, or the level if that is finer]
+    /// The finest level the core is made for [default: Loop 8, or the level if that is finer; strips the level]
     #[arg(long, value_name = "N", value_parser = level())]
     pub max_level: Option<u32>,
 
@@ -211,6 +215,9 @@ pub struct Settings {
     pub registers: Registers,
     /// Guard bits of the strip core; nothing: exact.
     pub guard: Option<u32>,
+    /// The most levels of the strip core; nothing: the level.
+    pub strip_levels: Option<u32>,
+    pub units: StripUnits,
     pub simulators: Simulators,
     pub back_pressure: Stall,
     pub input_gaps: Stall,
@@ -294,6 +301,8 @@ impl Args {
             max_level,
             registers: self.core.registers,
             guard: self.core.guard,
+            strip_levels: self.core.max_level,
+            units: self.units.clone(),
             simulators: simulators(&self.run.simulator)?,
             back_pressure: self.run.back_pressure,
             input_gaps: self.run.input_gaps,

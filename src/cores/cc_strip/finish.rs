@@ -45,8 +45,9 @@ pub struct Normals {
 pub struct Parameters {
     /// A vertex of the finest level.
     pub word: Word,
-    /// A position that leaves.
+    /// A position that leaves, and how it loses the bits that the output has not.
     pub output: Word,
+    pub rounding: Rounding,
     /// The levels that can be chosen at run time, the last the finest; equal for a core of one level.
     pub levels: [u32; 2],
     pub max_valence: u32,
@@ -61,6 +62,9 @@ impl Parameters {
     pub fn check(self) -> Result<Self> {
         let refuse = |what: String, help: &str| Err(Error::usage(what).help(help));
         let rounded = self.rounded(self.output.fraction);
+        if self.rounding == Rounding::Exact {
+            return refuse("positions that lose nothing".into(), "choose half-up, half-even or floor");
+        }
         if self.output.fraction > self.word.fraction {
             let what = format!("positions {} from vertices {}", self.output, self.word);
             return refuse(what, "choose an output fraction that the finest level has, --guard is one way");
@@ -171,12 +175,12 @@ pub fn finish(m: &Builder, p: &Parameters, views: [&View; 3], advance: &Signal) 
     Ok(Finished { positions: positions.collect(), normals: normals.collect(), latency })
 }
 
-/// The refined positions, rounded half up.
+/// The refined positions, rounded.
 fn refined(m: &Builder, p: Parameters, views: [&View; 3], advance: &Signal) -> (Vec<Vec<Signal>>, u32) {
     let column = |(view, axis): (&&View, &str)| {
         let rounded = |(row, vertex): (usize, &Signal)| {
             let drop = (p.word.fraction - p.output.fraction) as u32;
-            let rounded = m.round(vertex, drop, Rounding::HalfUp);
+            let rounded = m.round(vertex, drop, p.rounding);
             stage(m, advance, format!("refined_{row}_{axis}"), &m.wrap(&rounded, p.output))
         };
         view.rows[1].iter().enumerate().map(rounded).collect()

@@ -15,12 +15,12 @@
 use std::collections::BTreeMap;
 use std::rc::Rc;
 
+use super::fan::End;
 use super::finish::{Kind, Parameters};
-use super::outside::End;
 use super::view_ports::{self, names};
 use super::{limit, vectors};
 use crate::error::{Error, Kind as Failure, Result};
-use crate::fixed::{Form, Range};
+use crate::fixed::{Form, Range, Rounding};
 use crate::hdl::linear::Value;
 use crate::hdl::{Flat, LinearForms, Module, Simulator};
 
@@ -60,7 +60,9 @@ fn total<'a>(parts: impl IntoIterator<Item = (i128, &'a Mask)>) -> Mask {
 /// # Errors
 /// What was found instead of a mask, or parameters that the stage refuses.
 pub fn prove(p: Parameters) -> Result<Proof> {
-    let p = p.check()?;
+    // A mode that is no floor of a sum is proved with the sums of half up, as the levels are.
+    let rounding = if p.rounding == Rounding::Floor { Rounding::Floor } else { Rounding::HalfUp };
+    let p = Parameters { rounding, ..p.check()? };
     let mut proof = Proof { max_valence: p.max_valence, ..Proof::default() };
     let limit = p.limit.map(|bits| Ok::<_, Error>((limit::build(p)?, bits))).transpose()?;
     let vectors = p.normals.map(|normals| Ok::<_, Error>((vectors::build(p)?, normals.kind))).transpose()?;
@@ -85,7 +87,9 @@ pub fn prove(p: Parameters) -> Result<Proof> {
         let window = Window::new(p.rows() - 1, [p.max_valence; 2]);
         let unit = vectors::points(p)?;
         let drop = (p.word.fraction - point.fraction) as u32;
-        let port = |name: &String| Some((format!("point_{name}"), rounded(window.port(name)?, drop)));
+        let port = |name: &String| {
+            Some((format!("point_{name}"), rounded(window.port(name)?, drop, Rounding::HalfUp)))
+        };
         let names = names(p).into_iter().filter(|(name, _)| unit.input(name).is_some());
         let expected: Expected = names.filter_map(|(name, _)| port(&name)).collect();
         proof.points = window.compare(p, &unit, p.word.range, 0, &expected)?.0;
@@ -103,10 +107,11 @@ fn form(mask: &Mask) -> Form<VARIABLES> {
     form
 }
 
-/// The mask over 2^drop, half up.
-fn rounded(mask: &Mask, drop: u32) -> Form<VARIABLES> {
+/// The mask over 2^drop, rounded.
+fn rounded(mask: &Mask, drop: u32, mode: Rounding) -> Form<VARIABLES> {
     let unit = 1i128 << drop;
-    Form { constant: unit / 2, divisor: unit, ..form(mask) }.canonical()
+    let half = if mode == Rounding::Floor { 0 } else { unit / 2 };
+    Form { constant: half, divisor: unit, ..form(mask) }.canonical()
 }
 
 /// The vertices around the middle column as variables.
@@ -193,7 +198,7 @@ impl Window {
         let drop = (p.word.fraction - p.output.fraction) as u32 + bits;
         let limit = |s: &Mask, spread: &Mask, denominator: i128| {
             let entry = (2 * (1i128 << bits) + denominator) / (2 * denominator);
-            rounded(&total([(1i128 << bits, s), (entry, spread)]), drop)
+            rounded(&total([(1i128 << bits, s), (entry, spread)]), drop, p.rounding)
         };
         let mut expected = Expected::new();
         for k in 1..self.last {
@@ -362,16 +367,17 @@ mod tests {
 
     #[test]
     fn every_valence_at_every_level_is_proved() {
-        for (levels, max_valence, bits, kind, extra) in [
-            ([2, 2], 4, 25, Kind::Limit, 12),
-            ([1, 3], 10, 37, Kind::Faces, 18),
-            ([1, 4], 7, 30, Kind::Limit, 6),
-            ([1, 1], 16, 52, Kind::Limit, 4),
+        for (levels, max_valence, bits, kind, extra, rounding) in [
+            ([2, 2], 4, 25, Kind::Limit, 12, Rounding::HalfUp),
+            ([1, 3], 10, 37, Kind::Faces, 18, Rounding::Floor),
+            ([1, 4], 7, 30, Kind::Limit, 6, Rounding::HalfEven),
+            ([1, 1], 16, 52, Kind::Limit, 4, Rounding::HalfUp),
         ] {
             let hull = Range::signed(12) * (1i128 << extra);
             let p = Parameters {
                 word: Word::from(hull).fraction(8 + extra),
                 output: Word::signed(12).fraction(8),
+                rounding,
                 levels,
                 max_valence,
                 limit: Some(bits),

@@ -10,18 +10,17 @@
 //! 2^b / 36 is 2^(b-2) / 9, in binary 000111 000111 ...: 7 (1 + 2^6 + 2^12 + ...), and what is left of the last
 //! period. So the entry that a table of b bits has for valence 4 is a few shifts and adds, for every b.
 //!
-//! The sums are exact and rounded once, half up. The weights sum to one whatever the table says, and none is
+//! The sums are exact and rounded once. The weights sum to one whatever the table says, and none is
 //! negative, so a limit lies in the hull of its ring.
 
 use std::collections::BTreeMap;
 use std::rc::Rc;
 
+use super::fan::End;
 use super::finish::{Parameters, stage};
-use super::outside::End;
 use super::view::EndView;
 use super::view_ports::view;
 use crate::error::Result;
-use crate::fixed::Rounding;
 use crate::hdl::{Builder, Module, Relation, Signal, Sum, Word};
 
 /// Clocks from the view to the limit positions.
@@ -77,7 +76,7 @@ pub fn build(p: Parameters) -> Result<Rc<Module>> {
             (k, Some(is_bottom)) => m.select(is_bottom, &ends[1], &projected[k - 1]),
             (k, None) => projected[k - 1].clone(),
         };
-        let rounded = m.round(&chosen, drop, Rounding::HalfUp);
+        let rounded = m.round(&chosen, drop, p.rounding);
         let kept = stage(&m, &advance, format!("limit_{k}"), &m.wrap(&rounded, p.output));
         m.output(format!("limit_{k}"), &kept);
     }

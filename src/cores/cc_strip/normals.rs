@@ -13,8 +13,8 @@
 use std::collections::BTreeMap;
 use std::rc::Rc;
 
+use super::fan::End;
 use super::finish::{AXES, Kind, Parameters, stage};
-use super::outside::End;
 use super::view::View;
 use super::view_ports::connected;
 use super::{unit, vectors};

@@ -14,8 +14,8 @@
 
 use std::rc::Rc;
 
+use super::fan::End;
 use super::finish::{Kind, Parameters};
-use super::outside::End;
 use super::view::{EndView, View};
 use super::view_ports::{self, names as ports};
 use crate::error::Result;

@@ -6,8 +6,8 @@
 //! ```
 
 use super::VALENCE_BITS;
+use super::fan::End;
 use super::finish::Parameters;
-use super::outside::End;
 use super::view::{EndView, View};
 use crate::hdl::{Builder, Signal, Word};
 
