@@ -25,7 +25,7 @@ pub const AXES: [&str; 3] = ["x", "y", "z"];
 pub enum Kind {
     /// The sum of the cross products of the diagonals of the faces around the vertex (Hall, section 4.4).
     Faces,
-    /// The cross product of the limit tangents where the valence is 4, the faces elsewhere.
+    /// The cross product of the tangents of the limit surface.
     Limit,
 }
 
@@ -112,12 +112,14 @@ impl Parameters {
     }
 
     /// A component of a normal that is not normalised: at most 2d s^2 for d faces with points s apart, and 72 s^2 for
-    /// limit tangents, as t1 and t2 have weights that sum to 6 on either side.
+    /// limit tangents, whose positive weights add up to 6.
     pub fn normal_word(self) -> Option<Word> {
         let point = self.point()?;
         let s = point.range.max.checked_sub(point.range.min)?;
-        let faces = 2 * i128::from(self.max_valence);
-        let most = if self.normals?.kind == Kind::Limit { 72 + faces } else { faces };
+        let most = match self.normals?.kind {
+            Kind::Faces => 2 * i128::from(self.max_valence),
+            Kind::Limit => 72,
+        };
         let bound = s.checked_mul(s)?.checked_mul(most)?;
         Some(Word::range(-bound, bound).fraction(2 * point.fraction))
     }

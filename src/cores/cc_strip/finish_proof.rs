@@ -7,7 +7,8 @@
 //! ```text
 //! limit      floor((2^b S + lambda_d (sum over faces (A_i + D_i + A_i+1) + 2 sum A - 5d S) + half) / 2^drop)
 //! points     floor((S + half) / 2^drop)
-//! vectors    the diagonals of each face;  t1, t2 of valence 4 as tensor products, (-1 0 1) by (1 4 1)
+//! vectors    the diagonals of each face;  t1, t2 of inner rows as tensor products, (-1 0 1) by (1 4 1), of ends with
+//!            the weights of Halstead, Kass and DeRose for each entry of the ring
 //! ```
 //!
 //! Products of vectors are not linear: tests compare them with the reference.
@@ -18,7 +19,7 @@ use std::rc::Rc;
 use super::fan::End;
 use super::finish::{Kind, Parameters};
 use super::view_ports::{self, names};
-use super::{limit, vectors};
+use super::{limit, tangents, vectors};
 use crate::error::{Error, Kind as Failure, Result};
 use crate::fixed::{Form, Range, Rounding};
 use crate::hdl::linear::Value;
@@ -78,7 +79,7 @@ pub fn prove(p: Parameters) -> Result<Proof> {
             }
             if let (Some((unit, kind)), Some(point)) = (&vectors, p.point()) {
                 let (compared, claims) =
-                    window.compare(p, unit, point.range, 1, &window.vectors(p, *kind))?;
+                    window.compare(p, unit, point.range, vectors::latency(p), &window.vectors(p, *kind))?;
                 (proof.vectors, proof.claims) = (proof.vectors + compared, proof.claims + claims);
             }
         }
@@ -247,32 +248,31 @@ impl Window {
                 pairs.extend((1..self.last).map(|k| (vectors::row(k), tangents(k))));
             }
         }
+        let mut expected = Expected::new();
         for (end, which) in End::BOTH.into_iter().enumerate() {
+            if kind == Kind::Limit {
+                for (name, tangent) in ["a", "b"].iter().zip(self.end_tangents(end)) {
+                    let tangent = rounded(&tangent, tangents::WEIGHT_BITS, Rounding::HalfUp);
+                    expected.insert(format!("{}_{name}", vectors::end(which)), tangent);
+                }
+                continue;
+            }
             let (s, ring) = (self.end(end), &self.ends[end]);
             let d = ring.neighbours.len();
-            let tangents = kind == Kind::Limit && d == 4;
-            for place in 0..p.max_valence as usize {
-                let inside = place == 0 || place + 1 == p.max_valence as usize;
-                if inside && kind == Kind::Faces {
-                    continue;
-                }
-                // The face of the ring behind the place: outside from left to right, the left and the right one.
-                let walked = if place + 1 == p.max_valence as usize { d - 1 } else { place };
-                let face = if end == 0 { d - 1 - walked } else { walked };
+            for place in 1..=p.max_valence as usize - 2 {
                 let name = vectors::fan(which, place as u32);
-                if tangents && place == 0 {
-                    pairs.push((name, self.end_tangents(end)));
-                } else if tangents || (!inside && place + 2 > d) {
+                if place + 2 > d {
                     // No face: its first vector is zero, whatever the second is.
                     pairs.push((name, [Mask::new(), Mask::new()]));
-                } else {
-                    let corners =
-                        [s, &ring.neighbours[face], &ring.diagonals[face], &ring.neighbours[(face + 1) % d]];
-                    pairs.push((name, Self::diagonals(corners)));
+                    continue;
                 }
+                // The faces of the ring are counterclockwise, the places run from left to right.
+                let face = if end == 0 { d - 1 - place } else { place };
+                let corners =
+                    [s, &ring.neighbours[face], &ring.diagonals[face], &ring.neighbours[(face + 1) % d]];
+                pairs.push((name, Self::diagonals(corners)));
             }
         }
-        let mut expected = Expected::new();
         for (name, [a, b]) in pairs {
             expected.insert(format!("{name}_a"), form(&a).canonical());
             if !a.is_empty() {
@@ -282,23 +282,28 @@ impl Window {
         expected
     }
 
-    /// The tangents of an end of valence 4: to the right, and upwards.
+    /// The limit tangents of an end over 2^[`tangents::WEIGHT_BITS`], ring entry by ring entry.
     fn end_tangents(&self, end: usize) -> [Mask; 2] {
         let ring = &self.ends[end];
-        let along = |start: usize| {
-            let (a, x) = (&ring.neighbours, &ring.diagonals);
-            let i = |k: usize| (start + k) % 4;
-            total([
-                (4, &a[i(0)]),
-                (1, &x[i(0)]),
-                (1, &x[i(3)]),
-                (-4, &a[i(2)]),
-                (-1, &x[i(1)]),
-                (-1, &x[i(2)]),
-            ])
-        };
-        // Counterclockwise from the inner neighbour: it is below at the top and above at the bottom.
-        if end == 0 { [along(1), along(2)] } else { [along(3), along(0)] }
+        let d = ring.neighbours.len();
+        let turn = |i: usize| std::f64::consts::TAU * (i % d) as f64 / d as f64;
+        let first = turn(1).cos();
+        let factor = 1.0 + first + ((1.0 + first) * (9.0 + first)).sqrt();
+        // An eigenvector's neighbour and diagonal weights: A_d C_i and C_i + C_i+1.
+        let wave = |t: usize, i: usize| if t == 0 { turn(i).cos() } else { turn(i).sin() };
+        let entries = |t: usize| (0..d).map(move |i| [factor * wave(t, i), wave(t, i) + wave(t, i + 1)]);
+        let length = |t: usize| entries(t).flatten().map(f64::abs).sum::<f64>();
+        let goal = if d == 4 { 12.0 } else { 12.0 - 1.0 / 256.0 };
+        let scale = goal / length(0).max(length(1)) * f64::from(1u32 << tangents::WEIGHT_BITS);
+        [0, 1].map(|t| {
+            let rounded = |w: f64| (w * scale).round() as i128;
+            let mask = total(entries(t).enumerate().flat_map(|(i, [a, x])| {
+                [(rounded(a), &ring.neighbours[i]), (rounded(x), &ring.diagonals[i])]
+            }));
+            // The inner neighbour takes what the rounding leaves.
+            let rest = mask.values().sum::<i128>();
+            total([(1, &mask), (-rest, &ring.neighbours[0])])
+        })
     }
 
     /// Runs the unit and compares; returns how many outputs and claims were checked.

@@ -33,6 +33,7 @@ mod output;
 mod parameters;
 pub mod proof;
 pub mod schedule;
+mod tangents;
 mod top;
 mod unit;
 mod vectors;

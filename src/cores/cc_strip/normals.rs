@@ -1,10 +1,10 @@
 //! Normals of the rows of a column: cross products of vectors, and their sums around each vertex.
 //!
 //! ```text
-//!   clock 1    vectors     differences of points (see `vectors`), one unit an axis
-//!   clock 2    products    six for each cross product
-//!   clock 3    sums        of the faces above and below a row; at an end of the fan of faces outside
-//!   clock 4-9  unit        where unit vectors are wanted (see `unit`)
+//!   vectors    1 clock, for tangents 2    differences of points (see `vectors`), one unit an axis
+//!   products   1 clock                    six for each cross product
+//!   sums       1 clock                    of the faces above and below a row; at an end of the fan outside
+//!   unit       7 clocks                   where unit vectors are wanted (see `unit`)
 //! ```
 //!
 //! A face normal is the cross product of the face's diagonals, twice its vector area, and is made once for the
@@ -22,7 +22,9 @@ use crate::error::Result;
 use crate::hdl::{Builder, Module, Signal, Sum, Word};
 
 /// Clocks from the view to the sums.
-const LATENCY: u32 = 3;
+fn latency(p: Parameters) -> u32 {
+    vectors::latency(p) + 2
+}
 
 /// A vector of three signals.
 type Vector = [Signal; 3];
@@ -34,17 +36,17 @@ pub(super) fn normals(
     views: [&View; 3],
     advance: &Signal,
 ) -> Result<(Vec<Vector>, u32)> {
-    let (Some(wanted), Some(word)) = (p.normals, p.normal_word()) else { return Ok((vec![], LATENCY)) };
+    let (Some(wanted), Some(word)) = (p.normals, p.normal_word()) else { return Ok((vec![], 0)) };
     let crossed = cross_products(m, p, views, advance)?;
     // Which row is the bottom one, beside the cross products.
     let is_bottom = p.bottoms().map(|k| {
-        let kept = stage(m, advance, format!("is_bottom_{k}_vectors"), &views[0].is_bottom[k]);
-        (k, stage(m, advance, format!("is_bottom_{k}_products"), &kept))
+        let wait = |bit: Signal, clock| stage(m, advance, format!("is_bottom_{k}_{clock}"), &bit);
+        (k, (1..latency(p)).fold(views[0].is_bottom[k].clone(), wait))
     });
     let is_bottom: BTreeMap<usize, Signal> = is_bottom.collect();
     let sums = match wanted.kind {
         Kind::Faces => of_faces(m, p, &crossed, &is_bottom),
-        Kind::Limit => of_tangents(m, p, &crossed, &is_bottom),
+        Kind::Limit => of_surface(m, p, &crossed, &is_bottom),
     };
     let keep = |(row, normal): (usize, Vector)| {
         [0, 1, 2].map(|axis| {
@@ -54,7 +56,7 @@ pub(super) fn normals(
         })
     };
     let normals: Vec<Vector> = sums.into_iter().enumerate().map(keep).collect();
-    let Some(bits) = wanted.unit else { return Ok((normals, LATENCY)) };
+    let Some(bits) = wanted.unit else { return Ok((normals, latency(p))) };
     let unit = unit::build(word, bits)?;
     let shorten = |(row, normal): (usize, &Vector)| {
         let placed = m.instance(
@@ -64,7 +66,7 @@ pub(super) fn normals(
         );
         AXES.map(|axis| placed.out(&format!("unit_{axis}")))
     };
-    Ok((normals.iter().enumerate().map(shorten).collect(), LATENCY + unit::LATENCY))
+    Ok((normals.iter().enumerate().map(shorten).collect(), latency(p) + unit::LATENCY))
 }
 
 /// The cross product of each pair of vectors by name.
@@ -150,12 +152,6 @@ fn chosen(m: &Builder, condition: &Signal, on_true: &Vector, on_false: &Vector) 
     [0, 1, 2].map(|axis| m.select(condition, &on_true[axis], &on_false[axis]))
 }
 
-/// The fan of faces around an end: those outside, or all of them.
-fn fan(m: &Builder, end: End, faces: std::ops::Range<u32>, crossed: &BTreeMap<String, Vector>) -> Vector {
-    let faces: Vec<&Vector> = faces.map(|i| &crossed[&vectors::fan(end, i)]).collect();
-    total(m, &format!("{}_faces", end.name()), &faces)
-}
-
 /// The faces above and below each row.
 fn of_faces(
     m: &Builder,
@@ -169,7 +165,10 @@ fn of_faces(
         total(m, &format!("faces_{k}"), &sides)
     };
     let pairs: Vec<Vector> = (0..last).map(pair).collect();
-    let [top, bottom] = End::BOTH.map(|end| fan(m, end, 1..p.max_valence - 1, crossed));
+    let [top, bottom] = End::BOTH.map(|end| {
+        let faces: Vec<&Vector> = (1..p.max_valence - 1).map(|i| &crossed[&vectors::fan(end, i)]).collect();
+        total(m, &format!("{}_faces", end.name()), &faces)
+    });
     let row = |k: usize| {
         let above = if k == 0 { &top } else { &pairs[k - 1] };
         let below = match is_bottom.get(&k) {
@@ -182,19 +181,19 @@ fn of_faces(
     (0..=last).map(row).collect()
 }
 
-/// The limit normals of the inner rows; at the ends what their valences say.
-fn of_tangents(
+/// The normals of the limit surface.
+fn of_surface(
     m: &Builder,
     p: Parameters,
     crossed: &BTreeMap<String, Vector>,
     is_bottom: &BTreeMap<usize, Signal>,
 ) -> Vec<Vector> {
     let last = p.rows() - 1;
-    let [top, bottom] = End::BOTH.map(|end| fan(m, end, 0..p.max_valence, crossed));
+    let [top, bottom] = End::BOTH.map(|end| &crossed[&vectors::end(end)]);
     let row = |k: usize| match is_bottom.get(&k) {
         _ if k == 0 => top.clone(),
         _ if k == last => bottom.clone(),
-        Some(is_bottom) => chosen(m, is_bottom, &bottom, &crossed[&vectors::row(k)]),
+        Some(is_bottom) => chosen(m, is_bottom, bottom, &crossed[&vectors::row(k)]),
         None => crossed[&vectors::row(k)].clone(),
     };
     (0..=last).map(row).collect()

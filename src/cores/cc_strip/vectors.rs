@@ -9,13 +9,14 @@
 //!   outside of the top:  a = x_i - S, b = a_i-1 - a_i      of the bottom:  b = a_i - a_i-1
 //! ```
 //!
-//! The vectors of a face that the valence has not are zero. With limit normals the first place of an end's fan
-//! holds the tangents where its valence is 4, and the other places nothing; else it is the left strip face.
+//! The vectors of a face that the valence has not are zero. The tangents of the ends are those of their valences
+//! (see [`tangents`]).
 
 use std::rc::Rc;
 
 use super::fan::End;
-use super::finish::{Kind, Parameters};
+use super::finish::{Kind, Parameters, stage};
+use super::tangents;
 use super::view::{EndView, View};
 use super::view_ports::{self, names as ports};
 use crate::error::Result;
@@ -30,6 +31,16 @@ pub fn face(side: &str, k: usize) -> String {
 /// The vectors in place i of the fan around an end: 1 .. d-2 are the faces outside, from left to right.
 pub fn fan(end: End, i: u32) -> String {
     format!("{}_fan_{i}", end.name())
+}
+
+/// The limit tangents of an end.
+pub fn end(end: End) -> String {
+    format!("{}_tangents", end.name())
+}
+
+/// Clocks from the points to the vectors.
+pub fn latency(p: Parameters) -> u32 {
+    if is_limit(p) { tangents::LATENCY } else { 1 }
 }
 
 /// The limit tangents of an inner row.
@@ -48,17 +59,14 @@ pub fn names(p: Parameters) -> Vec<(String, &'static str, Word)> {
     let mut add = |name: String, (sort, word): (&'static str, Word)| names.push((name, sort, word));
     if is_limit(p) {
         (1..last).for_each(|k| add(row(k), tangents));
-    } else {
-        for side in ["left", "right"] {
-            (0..last).for_each(|k| add(face(side, k), diagonals));
-        }
+        End::BOTH.into_iter().for_each(|which| add(end(which), tangents));
+        return names;
     }
-    for end in End::BOTH {
-        if is_limit(p) {
-            add(fan(end, 0), tangents);
-            add(fan(end, p.max_valence - 1), diagonals);
-        }
-        (1..=p.max_valence - 2).for_each(|i| add(fan(end, i), diagonals));
+    for side in ["left", "right"] {
+        (0..last).for_each(|k| add(face(side, k), diagonals));
+    }
+    for which in End::BOTH {
+        (1..=p.max_valence - 2).for_each(|i| add(fan(which, i), diagonals));
     }
     names
 }
@@ -110,19 +118,29 @@ pub fn build(p: Parameters) -> Result<Rc<Module>> {
 
     let mut pairs = vec![];
     if is_limit(p) {
-        pairs.extend(inner_tangents(&m, &view));
+        for (name, vectors) in inner_tangents(&m, &view) {
+            // As late as those of the ends.
+            let kept = ["a", "b"].iter().zip(&vectors);
+            let kept: Vec<Signal> =
+                kept.map(|(v, vector)| stage(&m, &advance, format!("{name}_{v}_kept"), vector)).collect();
+            pairs.push((name, [kept[0].clone(), kept[1].clone()]));
+        }
     } else {
         pairs.extend(strip_faces(&m, &view));
     }
-    for (end, view) in End::BOTH.into_iter().zip(&view.ends) {
-        pairs.extend(fan_of(&m, p, end, view));
+    for (which, view) in End::BOTH.into_iter().zip(&view.ends) {
+        match is_limit(p) {
+            true => pairs.push((end(which), tangents::tangents(&m, p, which, view, &advance))),
+            false => pairs.extend(fan_of(&m, p, which, view)),
+        }
     }
     for (name, _, word) in names(p) {
         let Some((_, vectors)) = pairs.iter().find(|(found, _)| *found == name) else { continue };
         for (vector, value) in ["a", "b"].iter().zip(vectors) {
-            let register = m.register(format!("{name}_{vector}"), word);
+            let name = format!("{name}_{vector}");
+            let register = m.register(name.clone(), word);
             m.on(&advance, &register, value);
-            m.output(format!("{name}_{vector}"), &register);
+            m.output(name, &register);
         }
     }
     m.finish()
@@ -164,8 +182,6 @@ fn fan_of(m: &Builder, p: Parameters, end: End, view: &EndView) -> Vec<Pair> {
     let [left, centre, right] = &view.outer;
     let valence = &view.valence;
     let constant = |value: u32| m.constant(value.into(), valence.word());
-    let regular = m.wire(format!("{}_is_regular", end.name()), m.is(valence, 4));
-    let limit = is_limit(p);
     // The faces outside, from left to right: face i lies between a_i-1 and a_i.
     let mut pairs = vec![];
     for i in 1..=p.max_valence - 2 {
@@ -183,36 +199,11 @@ fn fan_of(m: &Builder, p: Parameters, end: End, view: &EndView) -> Vec<Pair> {
         let before = if i == 1 { left } else { &view.neighbours[index - 2] };
         let spoke = m.signal(&x - centre);
         let present = m.compare(Relation::LessOrEqual, constant(i + 2), valence);
-        let present = if limit { &present & !&regular } else { present };
         let around = match end {
             End::Top => m.signal(before - &a),
             End::Bottom => m.signal(&a - before),
         };
         pairs.push((fan(end, i), [m.select(&present, &spoke, nothing(m, &spoke)), around]));
     }
-    if limit {
-        pairs.extend(fan_within(m, p, end, view, &regular));
-    }
     pairs
-}
-
-/// The strip faces at an end, and the tangents of valence 4 in place of the first of them.
-fn fan_within(m: &Builder, p: Parameters, end: End, view: &EndView, regular: &Signal) -> [Pair; 2] {
-    let ([left, centre, right], [inner_left, inner, inner_right]) = (&view.outer, &view.inner);
-    let outside = &view.neighbours[0];
-    let across = m.signal(&view.after - &view.before + 4 * right - 4 * left + inner_right - inner_left);
-    let outwards = m.signal(&view.before + 4 * outside + &view.after - inner_left - 4 * inner - inner_right);
-    // Corners counterclockwise from the end vertex.
-    let (upwards, quads) = match end {
-        End::Top => (outwards, [[centre, left, inner_left, inner], [centre, inner, inner_right, right]]),
-        End::Bottom => {
-            let upwards = m.signal(-&outwards);
-            (upwards, [[centre, inner, inner_left, left], [centre, right, inner_right, inner]])
-        }
-    };
-    let [first, second] = quads.map(|q| [m.signal(q[2] - q[0]), m.signal(q[3] - q[1])]);
-    let tangents = [across, upwards];
-    let first = [0, 1].map(|v| m.select(regular, &tangents[v], &first[v]));
-    let second = [m.select(regular, nothing(m, &second[0]), &second[0]), second[1].clone()];
-    [(fan(end, 0), first), (fan(end, p.max_valence - 1), second)]
 }

@@ -35,7 +35,8 @@ fn normal(oracle: &QuadOracle, s: usize, ring: &BTreeMap<u32, (u32, u32)>) -> Op
     };
     let masks = tangents(ring.len());
     let mut t = [[0.0; 3]; 2];
-    let mut spoke = *ring.keys().next()?;
+    let first = *ring.keys().next()?;
+    let mut spoke = first;
     for i in 0..ring.len() {
         // A boundary vertex lacks the quad behind its last spoke.
         let &(x, next) = ring.get(&spoke)?;
@@ -44,6 +45,9 @@ fn normal(oracle: &QuadOracle, s: usize, ring: &BTreeMap<u32, (u32, u32)>) -> Op
             (0..3).for_each(|axis| t[axis] += mask[i][0] * a[axis] + mask[i][1] * x[axis]);
         }
         spoke = next;
+    }
+    if spoke != first {
+        return None;
     }
     let cross: [f64; 3] = std::array::from_fn(|x| {
         let (y, z) = ((x + 1) % 3, (x + 2) % 3);
