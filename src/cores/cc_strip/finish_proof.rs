@@ -377,6 +377,7 @@ mod tests {
             ([1, 3], 10, 37, Kind::Faces, 18, Rounding::Floor),
             ([1, 4], 7, 30, Kind::Limit, 6, Rounding::HalfEven),
             ([1, 1], 16, 52, Kind::Limit, 4, Rounding::HalfUp),
+            ([7, 7], 16, 25, Kind::Limit, 4, Rounding::HalfUp),
         ] {
             let hull = Range::signed(12) * (1i128 << extra);
             let p = Parameters {
