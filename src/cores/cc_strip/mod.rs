@@ -21,6 +21,7 @@ mod columns;
 mod control;
 mod level;
 mod loader;
+pub mod longitudinal;
 mod outside;
 pub mod proof;
 mod top;

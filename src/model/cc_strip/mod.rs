@@ -18,6 +18,7 @@
 
 pub mod around;
 pub mod level;
+pub mod longitudinal;
 pub mod render;
 pub mod schedule;
 pub mod window;
