@@ -76,6 +76,7 @@ pub fn build(log_columns: u32, levels: u32, vertex: Word) -> Result<Rc<Module>> 
     let shared = m.wire("shared", &longest_chunk & !&column_last);
     m.output("column_ready", m.wire("column_ready", m.all(&[&room, &column_ends, &!&shared])));
     write.step(&m, &writes, &written, &closed, Order::Columns);
+    let closes = write.of_halves(&m, "closes", &closed);
 
     // Reading, a row after the other, until the half's last column and row.
     let read = Place::new(&m, "read", row_word, column_word);
@@ -84,8 +85,7 @@ pub fn build(log_columns: u32, levels: u32, vertex: Word) -> Result<Rc<Module>> 
     let of_half = |name: &str, word: Word, value: &Signal| {
         let kept = [0, 1].map(|half| {
             let kept = m.register(format!("{name}_{half}"), word);
-            let here = if half == 0 { !&write.half } else { write.half.clone() };
-            m.on(&(&closed & here), &kept, value);
+            m.on(&closes[half], &kept, value);
             kept
         });
         m.wire(name, m.select(&read.half, &kept[1], &kept[0]))
@@ -97,12 +97,11 @@ pub fn build(log_columns: u32, levels: u32, vertex: Word) -> Result<Rc<Module>> 
     let row_done = m.wire("row_done", equal(&read.column, &last_column));
     let chunk_done = m.wire("chunk_done", &row_done & equal(&read.row, &bottom_row));
     let sent = m.wire("sent", &take & &chunk_done);
-    read.step(&m, &take, &(&take & &row_done), &sent, Order::Rows);
+    read.step(&m, &take, &m.wire("row_sent", &take & &row_done), &sent, Order::Rows);
 
-    for (half, register) in full.iter().enumerate() {
-        let in_half = |place: &Place| if half == 0 { !&place.half } else { place.half.clone() };
-        m.on(&(&closed & in_half(&write)), register, m.bit(true));
-        m.on(&(&sent & in_half(&read)), register, m.bit(false));
+    for ((register, closes), empties) in full.iter().zip(&closes).zip(&read.of_halves(&m, "empties", &sent)) {
+        m.on(closes, register, m.bit(true));
+        m.on(empties, register, m.bit(false));
     }
     m.on(&take, &valid, m.bit(true));
     m.on(&ready, &valid, m.bit(false));
@@ -165,6 +164,12 @@ impl Place {
         m.on(turn, fast, zero(fast));
         m.on(step, fast, m.wrap(fast + 1, fast.word()));
         m.on(close, &self.half, !&self.half);
+    }
+
+    /// The event in one half, and in the other.
+    fn of_halves(&self, m: &Builder, name: &str, event: &Signal) -> [Signal; 2] {
+        [(0, !&self.half), (1, self.half.clone())]
+            .map(|(half, here)| m.wire(format!("{name}_{half}"), event & here))
     }
 
     /// row * 2N + half * N + column: the words of the RAM without gaps.

@@ -44,13 +44,10 @@ pub fn rows_of<P: Clone>(columns: &[Vec<P>], longest: usize) -> Vec<Sent<P>> {
 /// vertices, is sent in as many, and the next one is written at the same time.
 pub fn clocks(strips: &[(usize, usize)], longest: usize) -> u64 {
     let chunks = |&(columns, rows): &(usize, usize)| {
-        let numbers: Vec<usize> = (0..columns).collect();
-        let column: Vec<Vec<usize>> = numbers.iter().map(|_| vec![0; rows]).collect();
-        let sent = rows_of(&column, longest);
-        sent.split_inclusive(|s| s.chunk_end).map(|c| c.len() as u64).collect::<Vec<_>>()
+        let sent = rows_of(&vec![vec![(); rows]; columns], longest);
+        sent.chunk_by(|vertex, _| !vertex.chunk_end).map(|chunk| chunk.len() as u64).collect::<Vec<_>>()
     };
-    let (mut written, mut sent) = (0, 0);
-    let mut before = 0;
+    let (mut before, mut written, mut sent) = (0, 0, 0);
     for chunk in strips.iter().flat_map(chunks) {
         // A half is free again when the chunk before the last one has been sent.
         written = u64::max(written, before) + chunk;
