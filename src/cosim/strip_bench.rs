@@ -77,6 +77,11 @@ impl StripBench {
         Ok(bench)
     }
 
+    /// The strips that the mesh was cut into.
+    pub fn strips(&self) -> &[Strip] {
+        &self.strips
+    }
+
     /// An output beat in the user's terms.
     pub fn locate(&self, beat: u64) -> String {
         let mut column = beat;

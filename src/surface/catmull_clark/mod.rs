@@ -24,6 +24,7 @@ pub mod fine_grid;
 pub mod masks;
 pub mod numbers;
 pub mod oracle;
+pub mod patches;
 pub mod quad_mesh;
 mod refinement;
 pub mod repeat;
