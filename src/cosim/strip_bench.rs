@@ -87,6 +87,11 @@ impl StripBench {
         cc_strip_clocks::run(self.core, &self.traffic, &stimulus.offer_pattern(), &stimulus.ready_pattern())
     }
 
+    /// The strips that the mesh was cut into.
+    pub fn strips(&self) -> &[Strip] {
+        &self.strips
+    }
+
     /// An output beat in the user's terms.
     pub fn locate(&self, beat: u64) -> String {
         let mut rest = beat;

@@ -4,6 +4,7 @@
 
 mod result;
 mod run;
+mod strip_picture;
 mod strips;
 
 pub use run::is_mismatch;
@@ -190,10 +191,12 @@ pub enum Colour {
     /// Nothing: porcelain
     #[default]
     Plain,
-    /// The distance of each vertex from the exact limit surface
+    /// The distance of each vertex from its exact place
     Error,
     /// The polynomial patches, by their depth around irregular vertices
     Patches,
+    /// The strips that a quad mesh was cut into
+    Strips,
 }
 
 fn level() -> impl clap::builder::TypedValueParser<Value = u32> {
@@ -278,6 +281,10 @@ impl Args {
         if self.level > max_level {
             let what = format!("level {} of a core that ends at level {max_level}", self.level);
             return Err(Error::usage(what).help("lower --level or raise --max-level"));
+        }
+        if self.scheme == Scheme::Loop && self.keep.colour == Colour::Strips {
+            return Err(Error::usage("triangles go patch by patch, not in strips")
+                .help("choose --colour patches, or --scheme catmull-clark"));
         }
         let fine_mesh = self.keep.output.clone();
         for file in [&fine_mesh, &self.keep.picture, &self.keep.vcd].into_iter().flatten() {
@@ -418,6 +425,13 @@ mod tests {
         for words in ["a.obj -o fine.off", "a.obj -o fine", "a.obj --picture fine.jpg"] {
             assert_eq!(parse(words).unwrap().settings().unwrap_err().exit_status(), 2, "{words}");
         }
+    }
+
+    #[test]
+    fn strips_are_shown_of_quads_only() {
+        let colour = "a.obj --picture a.png --colour strips";
+        assert_eq!(parse(colour).unwrap().settings().unwrap_err().exit_status(), 2);
+        assert!(settings(&format!("{colour} --scheme catmull-clark")).picture.is_some());
     }
 
     #[test]

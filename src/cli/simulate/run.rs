@@ -263,7 +263,8 @@ impl Surface<'_> {
                 Colour::Error => {
                     Colouring::Values { values: &errors, range: [0.0, 0.5625], title: "error (lsb)" }
                 }
-                Colour::Patches => Colouring::Patches(&patches),
+                // Strips were refused with the arguments.
+                Colour::Patches | Colour::Strips => Colouring::Patches(&patches),
             },
             control: wanted.control_mesh.then_some(Wire { positions: &control.positions, edges: &edges }),
         };

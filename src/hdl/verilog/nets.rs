@@ -7,6 +7,7 @@
 use std::collections::BTreeMap;
 
 use crate::hdl::cell::{Cell, NodeId};
+use crate::hdl::live::Live;
 use crate::hdl::module::{Direction, Module};
 use crate::hdl::names::Allocator;
 
@@ -161,24 +162,9 @@ impl<'a> Demands<'a> {
 
     fn gather(&mut self) {
         let module = self.module;
-        let mut live = vec![false; module.nodes.len()];
-        let mut open: Vec<NodeId> = module.outputs.iter().map(|o| o.node).collect();
-        open.extend(module.instances.iter().flat_map(|i| i.inputs.clone()));
-        open.extend(
-            module
-                .memories
-                .iter()
-                .filter_map(|m| m.write.as_ref())
-                .flat_map(|w| [w.enable, w.address, w.data]),
-        );
-        while let Some(id) = open.pop() {
-            if !std::mem::replace(&mut live[id.index()], true) {
-                open.extend(module.node(id).cell.combinational_inputs());
-                open.extend(module.node(id).cell.clocked_inputs());
-            }
-        }
+        let live = Live::of(module);
         for (index, node) in module.nodes.iter().enumerate().rev() {
-            if live[index] {
+            if live.nodes[index] {
                 self.current = Some(NodeId(index as u32));
                 self.gather_cell(NodeId(index as u32), &node.cell, node.word.width());
             }
@@ -198,7 +184,7 @@ impl<'a> Demands<'a> {
                 self.read_whole(input, Some(&instance.name));
             }
         }
-        for memory in &module.memories {
+        for (memory, _) in module.memories.iter().zip(&live.memories).filter(|(_, live)| **live) {
             if let Some(write) = &memory.write {
                 for id in [write.enable, write.address, write.data] {
                     self.read_whole(id, Some(&memory.name));

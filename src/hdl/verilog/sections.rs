@@ -8,7 +8,8 @@ use super::nets::Nets;
 use super::text::{Printer, literal};
 use crate::hdl::Word;
 use crate::hdl::cell::{Bitwise, Cell, NodeId};
-use crate::hdl::module::{Direction, Module, Output};
+use crate::hdl::live::Live;
+use crate::hdl::module::{Direction, Memory, Module, Output};
 
 /// `[59:0] ` and its sign, padded so that names stand below each other.
 fn shape(word: Word) -> String {
@@ -84,7 +85,13 @@ fn is_output_register(module: &Module, output: &Output) -> bool {
 }
 
 pub fn sections(module: &Module, nets: &Nets, name_of: &dyn Fn(&Rc<Module>) -> String) -> Vec<Section> {
-    let body = Body { module, nets, print: Printer { module, nets }, clocks: clocks(module) };
+    let body = Body {
+        module,
+        nets,
+        print: Printer { module, nets },
+        clocks: clocks(module),
+        live: Live::of(module),
+    };
     let mut sections = vec![
         Section { banner: "the lanes of the streams".into(), lines: body.lanes() },
         Section { banner: "state".into(), lines: body.state() },
@@ -133,6 +140,7 @@ struct Body<'a> {
     nets: &'a Nets,
     print: Printer<'a>,
     clocks: Vec<u32>,
+    live: Live,
 }
 
 impl Body<'_> {
@@ -183,7 +191,7 @@ impl Body<'_> {
                 lines.push(format!("{keyword} {}{name};{}", shape(node.word), remark(node.word)));
             }
         }
-        for memory in &self.module.memories {
+        for (memory, _) in self.live_memories() {
             let (word, last) = (memory.word, memory.depth - 1);
             lines.push(format!(
                 "reg  {}{} [0:{last}]; // {} words of {word}",
@@ -193,6 +201,12 @@ impl Body<'_> {
             ));
         }
         lines
+    }
+
+    /// The memories that somebody reads, with their indices.
+    fn live_memories(&self) -> impl Iterator<Item = (&Memory, usize)> {
+        let memories = self.module.memories.iter().zip(0..);
+        memories.filter(|(_, index)| self.live.memories[*index])
     }
 
     /// Somebody reads it, or it leaves the module.
@@ -315,7 +329,7 @@ impl Body<'_> {
 
     fn memories(&self, clock: u32) -> Vec<String> {
         let mut lines = vec![];
-        for (index, memory) in self.module.memories.iter().enumerate() {
+        for (memory, index) in self.live_memories() {
             let when = memory.write.as_ref().map_or(0, |w| self.clocks[w.enable.index()]);
             if when != clock {
                 continue;
