@@ -112,6 +112,8 @@ fn rounded(
     level: &Signal,
     rows: [Signal; 12],
 ) -> Result<[Signal; 12]> {
+    // Between patches other numbers pass through.
+    let valid = m.input("valid", Word::bit());
     let mut rounders: BTreeMap<u32, Rc<Module>> = BTreeMap::new();
     let mut rounded = vec![];
     for ((k, l), row) in DIFFERENCES.into_iter().zip(rows) {
@@ -128,9 +130,9 @@ fn rounded(
         }
         // Whether a vertex depends on it; order 2 does not count at level 0, order 3 not at level 1.
         let live = match order {
-            0 | 1 => m.bit(true),
-            2 => m.is_not(level, 0),
-            _ => m.compare(Relation::Less, m.constant(1, Word::range(0, 1)), level),
+            0 | 1 => valid.clone(),
+            2 => &valid & m.is_not(level, 0),
+            _ => &valid & m.compare(Relation::Less, m.constant(1, Word::range(0, 1)), level),
         };
         let live = m.at_time(&live, row.time().unwrap_or(0));
         let inputs = [("numerator", &row), ("live", &live)];
