@@ -5,7 +5,7 @@
 //!   (2^W - 1) p_m(r) + E_m(r) < 2^(W + I_m - 1)      on every level r of the core
 //!
 //!   p_1 = 2^-r       p_2 = 2 * 4^-r - 7/3 16^-r       p_3 = 8 * 8^-r - 12 * 16^-r       p_4 = 6 * 16^-r
-//!                                                     (D40 and D04 themselves: one bit more than D31, D13)
+//!                                              (D40 = 2 D31 and D04 = 2 D13 are kept without their lowest bit)
 //!
 //!   E_m = sum over c <= 4 - m of  s C(n,c) 2^-F_(m+c)  +  a C(n,c+1) 2^-F_(m+c) where F_(m+c) < F_(m+c+1)
 //!         n = 2^r; s = a = 1/2 half up, else 1; the term of the fourth order twice
@@ -28,10 +28,9 @@ const UNIT: u32 = 50;
 /// The word of D(k,l) in a reduced format, modulo its width: what is not read may be too large for it.
 pub fn difference(parameters: Parameters, reduced: Reduced, (k, l): (u32, u32)) -> Word {
     let order = (k + l) as usize;
-    let doubled = i32::from((k, l) == (4, 0) || (k, l) == (0, 4));
     let fraction = reduced.fractions.of(order);
     let bits = (parameters.coordinates.width() + fraction) as i32;
-    let width = (bits + integer_bits(parameters, reduced, order) + doubled).max(2);
+    let width = (bits + integer_bits(parameters, reduced, order)).max(2);
     Word::modular(width as u32).fraction((parameters.coordinates.fraction + fraction) as i32)
 }
 
