@@ -101,10 +101,9 @@ fn every_core_is_proved_to_be_within_the_bound_of_its_format() {
                 // The proof does not see that the start-up corrects only ties.
                 assert!(proved <= 3.0 * bound, "{design:?}: {proved}, {bound}");
             } else {
-                assert!(
-                    proved <= bound && proved >= 0.9 * bound,
-                    "{design:?}, {rounding}: {proved}, {bound}"
-                );
+                // At coarse levels the fractions of a start-up are few, and the bound takes them for all.
+                let sharp = parameters.max_level < 2 || proved >= 0.9 * bound;
+                assert!(proved <= bound && sharp, "{design:?}, {rounding}: {proved}, {bound}");
             }
         }
     }
