@@ -244,7 +244,7 @@ impl Garden {
         let bits = if depth == 1 << bits { bits } else { bits - 1 };
         if noise.percent(70) {
             let (enable, address) = (self.bit(noise), self.unsigned(noise, bits));
-            let data = m.wrap(&self.any(noise), word);
+            let data = m.wrap(self.any(noise), word);
             let time = [&enable, &address, &data].iter().filter_map(|s| s.time()).max().unwrap_or(0);
             // A delayed `warm` would be unknown in the first clocks.
             let known = !m.restart(&self.warm, time);
@@ -270,8 +270,7 @@ impl Garden {
             .iter()
             .map(|&id| (module.node(id).name.clone().unwrap(), module.node(id).word))
             .collect();
-        let mut signals: Vec<Signal> =
-            ports.iter().map(|(_, word)| m.wrap(&self.any(noise), *word)).collect();
+        let mut signals: Vec<Signal> = ports.iter().map(|(_, word)| m.wrap(self.any(noise), *word)).collect();
         let time = signals.iter().filter_map(Signal::time).max().unwrap_or(0);
         for ((name, _), signal) in ports.iter().zip(&mut signals) {
             if name == "warm" {
