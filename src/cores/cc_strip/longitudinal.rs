@@ -110,7 +110,7 @@ pub fn build(log_columns: u32, levels: u32, vertex: Word) -> Result<Rc<Module>> 
         let depth = 2 * rows as u32 * (1 << log_columns);
         let ram = m.memory(&format!("ram_{name}"), depth, vertex, vec![]);
         let choices: Vec<Signal> = lanes.iter().map(|lane| lane[axis].clone()).collect();
-        let chosen = m.wire(format!("written_{name}"), &choice(&m, &write.row, &choices));
+        let chosen = m.wire(format!("written_{name}"), choice(&m, &write.row, &choices));
         ram.write(&writes, &write.address(&m, depth), &m.wrap(&chosen, vertex));
         m.output(
             *name,
@@ -174,7 +174,7 @@ impl Place {
 
     /// row * 2N + half * N + column: the words of the RAM without gaps.
     fn address(&self, m: &Builder, depth: u32) -> Signal {
-        m.wrap(&m.concat(&[&self.row, &self.half, &self.column]), Word::range(0, i128::from(depth) - 1))
+        m.wrap(m.concat(&[&self.row, &self.half, &self.column]), Word::range(0, i128::from(depth) - 1))
     }
 }
 

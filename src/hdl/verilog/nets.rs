@@ -94,6 +94,30 @@ impl Nets {
         gaps
     }
 
+    /// The number that a node always carries: a constant, seen through wiring that has no name.
+    pub fn constant(&self, module: &Module, id: NodeId) -> Option<i128> {
+        if self.names.contains_key(&id) {
+            return None;
+        }
+        let node = module.node(id);
+        match &node.cell {
+            Cell::Constant(value) => Some(*value),
+            Cell::ShiftRight { of, amount, .. } => {
+                let word = module.node(*of).word;
+                match self.constant(module, *of) {
+                    Some(value) => Some(value >> amount),
+                    // Without a sign nothing is left behind the highest bit.
+                    None => (*amount >= word.width() && !word.is_signed()).then_some(0),
+                }
+            }
+            Cell::Slice { of, low } => Some(node.word.range.wrap(self.constant(module, *of)? >> low)),
+            Cell::Wrap { of } | Cell::Claim { of, .. } => {
+                Some(node.word.range.wrap(self.constant(module, *of)?))
+            }
+            _ => None,
+        }
+    }
+
     /// The node as a part of a net; nothing for a constant, an inlined operation or a widening.
     pub fn span(&self, module: &Module, id: NodeId) -> Option<Span> {
         let node = module.node(id);
@@ -108,6 +132,9 @@ impl Nets {
             Cell::Wire { driver: Some(driver) } => (*driver, 0),
             _ => return None,
         };
+        if self.constant(module, id).is_some() {
+            return None;
+        }
         let inner = self.span(module, of)?;
         // Shifting everything out leaves the sign.
         let low = low.min(inner.width - 1);
@@ -198,15 +225,9 @@ impl<'a> Demands<'a> {
         let name = name.as_deref();
         match cell {
             Cell::Sum { terms, .. } => {
-                for term in terms {
+                for term in terms.iter().filter(|term| term.shift < width) {
                     let own = self.module.node(term.of).word.width();
-                    self.read(
-                        term.of,
-                        0,
-                        own.min(width - term.shift.min(width)),
-                        term.shift > 0 || own != width,
-                        name,
-                    );
+                    self.read(term.of, 0, own.min(width - term.shift), term.shift > 0 || own != width, name);
                 }
             }
             Cell::ShiftRight { of, amount, .. } => self.read(*of, *amount, width, true, name),

@@ -5,7 +5,7 @@ use std::rc::Rc;
 
 use super::Section;
 use super::nets::Nets;
-use super::text::{Printer, literal};
+use super::text::{Printer, literal, unwrapped};
 use crate::hdl::Word;
 use crate::hdl::cell::{Bitwise, Cell, NodeId};
 use crate::hdl::live::Live;
@@ -344,8 +344,8 @@ impl Body<'_> {
             }
             lines.push("always @(posedge aclk) begin".into());
             if let Some(write) = &memory.write {
-                let [enable, address, data] =
-                    [write.enable, write.address, write.data].map(|id| self.print.whole(id));
+                let [enable, data] = [write.enable, write.data].map(|id| self.print.whole(id));
+                let address = self.print.index(write.address);
                 lines.push(format!("    if ({enable}) {name}[{address}] <= {data};"));
             }
             for id in self.ids().filter(|&id| self.needed(id)) {
@@ -355,7 +355,7 @@ impl Body<'_> {
                     let condition =
                         enable.map(|e| format!("if ({}) ", self.print.whole(e))).unwrap_or_default();
                     let read = self.nets.name(id).unwrap_or_default();
-                    lines.push(format!("    {condition}{read} <= {name}[{}];", self.print.whole(address)));
+                    lines.push(format!("    {condition}{read} <= {name}[{}];", self.print.index(address)));
                 }
             }
             lines.push("end".into());
@@ -436,19 +436,6 @@ impl Body<'_> {
         }
         if bits.is_empty() { vec![] } else { vec![format!("wire unused = &{{1'b0, {}}};", bits.join(", "))] }
     }
-}
-
-/// The text without the parentheses that enclose all of it, if any do.
-fn unwrapped(text: &str) -> &str {
-    let inner = text.strip_prefix('(').and_then(|t| t.strip_suffix(')'));
-    let balanced = |text: &&str| {
-        let mut depth = 0i32;
-        text.chars().all(|c| {
-            depth += i32::from(c == '(') - i32::from(c == ')');
-            depth >= 0
-        })
-    };
-    inner.filter(balanced).unwrap_or(text)
 }
 
 /// The comment behind a declaration; a single bit needs none.
