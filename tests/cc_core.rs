@@ -3,6 +3,7 @@
 
 use std::rc::Rc;
 
+use subdiv_rtl::cores::cc_strip::finish::{Kind, Normals};
 use subdiv_rtl::cores::cc_strip::proof::prove;
 use subdiv_rtl::cores::cc_strip::{Parameters, Precision, Schedule, build, stored_vertices};
 use subdiv_rtl::cosim::strip_bench::StripBench;
@@ -58,14 +59,15 @@ fn run(core: &Rc<Module>, parameters: Parameters, name: &str, level: u32, stalls
     let bench = StripBench::new(core, parameters, level, &mesh, &rings).unwrap();
     let mut stimulus = Stimulus::new(bench.input.clone(), bench.expected.clone());
     [stimulus.gaps, stimulus.back_pressure] = stalls;
-    stimulus.expected_clocks = Some(bench.clocks(&stimulus));
+    stimulus.expected_clocks = bench.clocks(&stimulus);
     let outcome = Builtin::new(|| Model::new(core)).run(&device(core, &[], None), &stimulus).unwrap();
     let located = outcome.error(&|beat| bench.locate(beat));
     assert!(outcome.passed(), "{what}: {located:?}");
     let drawn = bench.assemble(&mesh, &outcome.received).unwrap();
     assert_eq!((drawn.cracks(), drawn.missing()), (0, 0), "{what}");
     let oracle = QuadOracle::new(&mesh, level, Boundary::Ghosts.corners()).unwrap();
-    let error = oracle.error(&drawn.positions().unwrap(), Target::Refined, 0).unwrap().max;
+    let target = if parameters.limit { Target::Limit } else { Target::Refined };
+    let error = oracle.error(&drawn.positions().unwrap(), target, 0).unwrap().max;
     assert!(error <= 0.5625, "{what}: {error}");
     outcome.clocks
 }
@@ -108,6 +110,34 @@ fn every_shape_through_the_usual_core() {
     for name in ["cube-quads", "torus-quads", "double-torus-quads", "blob-quads", "square-quads"] {
         for level in 1..=4 {
             run(&core, exact(4), name, level, [Stall::None; 2]);
+        }
+    }
+}
+
+/// Limit positions, normals of both kinds, unit vectors, and rows along the strip.
+#[test]
+fn what_leaves_the_finest_level() {
+    let normals = |kind, unit| Some(Normals { kind, point_fraction: FORMAT.fraction, unit });
+    let outputs = [
+        Parameters { limit: true, ..exact(3) },
+        Parameters { limit: true, schedule: Schedule::Shared, precision: Precision::Guard(6), ..exact(3) },
+        Parameters { normals: normals(Kind::Faces, None), ..exact(2) },
+        Parameters { limit: true, normals: normals(Kind::Limit, Some(14)), folded: true, ..exact(3) },
+        Parameters { longitudinal: Some(3), ..exact(3) },
+        Parameters { longitudinal: Some(5), limit: true, schedule: Schedule::Shared, ..exact(2) },
+    ];
+    for parameters in outputs {
+        let core = build(parameters).unwrap();
+        for level in 1..=parameters.levels {
+            run(&core, parameters, "blob-quads", level, [Stall::None; 2]);
+            run(&core, parameters, "cube-quads", level, ["bursts", "random:40"].map(|s| s.parse().unwrap()));
+            run(
+                &core,
+                parameters,
+                "square-quads",
+                level,
+                ["random:20", "one-in-3"].map(|s| s.parse().unwrap()),
+            );
         }
     }
 }

@@ -9,6 +9,7 @@ use std::rc::Rc;
 
 use super::core::port;
 use super::strip_lanes::Lanes;
+use crate::cores::cc_strip::finish::Kind;
 use crate::cores::cc_strip::{Parameters, Precision, Role, Schedule};
 use crate::cosim::{Beat, Port, Stimulus};
 use crate::error::{Error, Result};
@@ -39,7 +40,7 @@ pub struct StripBench {
     output: Port,
     /// The strips as the protocol sees them.
     traffic: Vec<cc_strip_clocks::Strip>,
-    core: cc_strip_clocks::Core,
+    core: Option<cc_strip_clocks::Core>,
 }
 
 impl StripBench {
@@ -67,7 +68,7 @@ impl StripBench {
             lanes: Lanes::new(parameters, level),
             output,
             traffic: vec![],
-            core: protocol(parameters),
+            core: parameters.longitudinal.is_none().then(|| protocol(core, parameters)),
         };
         for strip in numbers {
             let strip = strip.map(|&vertex| rings.positions()[vertex as usize]);
@@ -82,9 +83,10 @@ impl StripBench {
         Ok(bench)
     }
 
-    /// The clocks the core must take under the stalls of a stimulus.
-    pub fn clocks(&self, stimulus: &Stimulus) -> u64 {
-        cc_strip_clocks::run(self.core, &self.traffic, &stimulus.offer_pattern(), &stimulus.ready_pattern())
+    /// The clocks the core must take under the stalls of a stimulus; not known of row-major output.
+    pub fn clocks(&self, stimulus: &Stimulus) -> Option<u64> {
+        let (offer, ready) = (stimulus.offer_pattern(), stimulus.ready_pattern());
+        self.core.map(|core| cc_strip_clocks::run(core, &self.traffic, &offer, &ready))
     }
 
     /// The strips that the mesh was cut into.
@@ -94,14 +96,13 @@ impl StripBench {
 
     /// An output beat in the user's terms.
     pub fn locate(&self, beat: u64) -> String {
-        let mut rest = beat;
+        let mut rest = beat as usize;
         for (index, strip) in self.strips.iter().enumerate() {
-            let beats = self.lanes.beats_of((strip.len() << self.level) + 1) as u64;
-            if rest < beats {
-                let (column, row) = self.lanes.first(rest as usize);
+            let beats = self.lanes.of_strip((strip.len() << self.level) + 1);
+            if let Some((_, column, row)) = beats.get(rest).and_then(|places| places.first()) {
                 return format!("strip {index}, column {column}, from row {row}");
             }
-            rest -= beats;
+            rest -= beats.len();
         }
         format!("beat {beat}")
     }
@@ -115,10 +116,9 @@ impl StripBench {
         let mut assembly = QuadAssembly::new(QuadGrid::new(mesh, self.level)?);
         let mut beats = received.iter().map(|(_, beat)| beat);
         for strip in &self.strips {
-            let columns = (strip.len() << self.level) + 1;
-            for index in 0..self.lanes.beats_of(columns) {
+            for places in self.lanes.of_strip((strip.len() << self.level) + 1) {
                 let Some(beat) = beats.next() else { return Ok(assembly) };
-                for (lane, column, row) in self.lanes.places(index, columns) {
+                for (lane, column, row) in places {
                     let position = [0, 1, 2].map(|axis| self.output.number(beat, 3 * lane + axis) as i64);
                     assembly.put(strip.fine_vertex(&grid, column, row), position);
                 }
@@ -129,7 +129,9 @@ impl StripBench {
 }
 
 /// The core as its protocol sees it.
-pub fn protocol(parameters: Parameters) -> cc_strip_clocks::Core {
+pub fn protocol(core: &Module, parameters: Parameters) -> cc_strip_clocks::Core {
+    // A bit goes along with a column through every register of the finishing stage.
+    let stages = core.nodes.iter().filter(|n| n.name.as_deref().is_some_and(|n| n.starts_with("finishing_")));
     cc_strip_clocks::Core {
         levels: parameters.levels,
         schedule: match parameters.schedule {
@@ -139,7 +141,7 @@ pub fn protocol(parameters: Parameters) -> cc_strip_clocks::Core {
         },
         folded: parameters.folded,
         rows_per_clock: parameters.rows_per_clock,
-        finish: None,
+        finish: parameters.finish().map(|_| stages.count() as u32),
     }
 }
 
@@ -163,6 +165,15 @@ pub fn reference_parameters(parameters: Parameters) -> reference::Parameters {
         },
         table_bits: parameters.table_bits,
         extra_fraction: parameters.output_fraction as i32 - parameters.coordinates.fraction as i32,
+        limit: parameters.limit,
+        normals: parameters.normals.map(|n| reference::normals::Normals {
+            kind: match n.kind {
+                Kind::Faces => reference::normals::Kind::Faces,
+                Kind::Limit => reference::normals::Kind::Limit,
+            },
+            extra_fraction: n.point_fraction as i32 - parameters.coordinates.fraction as i32,
+            unit: n.unit,
+        }),
         ..reference::Parameters::exact(parameters.coordinates.width())
     }
 }

@@ -54,7 +54,7 @@ pub fn package(parameters: Parameters, prove_it: bool) -> Result<Package> {
         streams: streams(parameters),
         latency: Value::Null,
         initiation_interval: json!({
-            "clocks_per_input_column": cc_strip_clocks::clocks_per_column(protocol(parameters)),
+            "clocks_per_input_column": cc_strip_clocks::clocks_per_column(protocol(&core, parameters)),
             "where": "strips of the finest level, valence 4, no stalls",
         }),
         proofs: proofs(proof.as_ref()),

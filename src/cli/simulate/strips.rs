@@ -81,7 +81,7 @@ pub fn run(settings: &Settings) -> Result<()> {
     let mut bench = StripBench::new(&core, parameters, settings.level, &quads, &rings)?;
     let sources = verilog::print(&core, &package::cc_strip::command(parameters))?;
     let mut vectors = stimulus(settings, take(&mut bench.input), take(&mut bench.expected));
-    vectors.expected_clocks = Some(bench.clocks(&vectors));
+    vectors.expected_clocks = bench.clocks(&vectors);
     let outcomes = run_all(settings, &core, &device(&core, &sources, None), vectors)?;
 
     let drawn = bench.assemble(&quads, outcomes.first().map_or(&[], |outcome| &outcome.received))?;

@@ -26,6 +26,7 @@ mod engine;
 mod fan;
 pub mod finish;
 pub mod finish_proof;
+mod finishing;
 mod limit;
 mod loader;
 pub mod longitudinal;

@@ -1,5 +1,6 @@
 //! What a `cc-strip` is generated for, and the words and sizes that follow from it.
 
+use super::finish::{self, Normals};
 use super::schedule::{Group, Schedule, groups};
 use crate::error::{Error, Result};
 use crate::fixed::{Format, Range, Rounding};
@@ -33,6 +34,12 @@ pub struct Parameters {
     pub folded: bool,
     /// New rows of the finest column in one clock, a power of two from 2 on; all of them without.
     pub rows_per_clock: Option<u32>,
+    /// Limit positions leave, not refined control points.
+    pub limit: bool,
+    /// Normals that leave beside the positions.
+    pub normals: Option<Normals>,
+    /// Row-major output, in chunks of up to 2^this columns; columns without.
+    pub longitudinal: Option<u32>,
 }
 
 impl Parameters {
@@ -49,6 +56,9 @@ impl Parameters {
             schedule: Schedule::Pipelined,
             folded: false,
             rows_per_clock: None,
+            limit: false,
+            normals: None,
+            longitudinal: None,
         }
     }
 
@@ -80,6 +90,28 @@ impl Parameters {
                     "leave out --rows-per-clock, or choose another --schedule",
                 );
             }
+        }
+        let whole = self.rows_per_clock.is_none() && self.schedule != Schedule::Double;
+        for (asked, what) in [
+            (self.limit, "limit positions"),
+            (self.normals.is_some(), "normals"),
+            (self.longitudinal.is_some(), "row-major output"),
+        ] {
+            if asked && !whole {
+                return refuse(
+                    format!("{what} of slices of a column, or of two columns in a clock"),
+                    "leave out --rows-per-clock, and choose --schedule pipelined or shared",
+                );
+            }
+        }
+        if self.normals.is_some() && self.longitudinal.is_some() {
+            return refuse(
+                "normals in row-major output".into(),
+                "leave out one of --normals and --row-major",
+            );
+        }
+        if let Some(finish) = self.finish() {
+            finish.check()?;
         }
         let widest = self.word(self.levels).width() + 6 + self.table_bits + 12;
         if widest > Range::WIDEST {
@@ -137,6 +169,19 @@ impl Parameters {
     /// Edge neighbours outside of the strip: a_1 .. a_{d-3}.
     pub fn outside_neighbours(self) -> usize {
         (self.max_valence - 3) as usize
+    }
+
+    /// The finishing stage; none where refined positions leave alone.
+    pub fn finish(self) -> Option<finish::Parameters> {
+        (self.limit || self.normals.is_some()).then(|| finish::Parameters {
+            word: self.word(self.levels),
+            output: self.output_word(),
+            rounding: self.rounding,
+            levels: [1, self.levels],
+            max_valence: self.max_valence,
+            limit: self.limit.then_some(self.table_bits),
+            normals: self.normals,
+        })
     }
 
     /// Which unit makes the columns of which levels.

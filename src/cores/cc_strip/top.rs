@@ -92,9 +92,6 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
         let second = group.double.then(|| columns("face"));
         stages.push(Stage { columns: columns("out"), second, control });
     }
-    let all_idle: Vec<Signal> = stages.iter().map(|stage| stage.control.out("idle")).collect();
-    m.drive(&idle, m.wire("all_idle", m.all(&all_idle.iter().collect::<Vec<_>>())));
-
     let offers: Vec<Offer> = groups
         .iter()
         .zip(&stages)
@@ -105,8 +102,11 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
             second: stage.second.as_ref(),
         })
         .collect();
-    let output = Output { m: &m, parameters, offers, level, consumer };
-    m.drive(&output_ready, output.build());
+    let [room, empty] = Output::new(&m, parameters, offers, &level, consumer).build()?;
+    m.drive(&output_ready, &room);
+    let mut settled: Vec<Signal> = stages.iter().map(|stage| stage.control.out("idle")).collect();
+    settled.push(empty);
+    m.drive(&idle, m.wire("all_idle", m.all(&settled.iter().collect::<Vec<_>>())));
     m.finish()
 }
 
