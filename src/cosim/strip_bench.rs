@@ -166,6 +166,7 @@ pub fn reference_parameters(parameters: Parameters) -> reference::Parameters {
         table_bits: parameters.table_bits,
         extra_fraction: parameters.output_fraction as i32 - parameters.coordinates.fraction as i32,
         limit: parameters.limit,
+        rounding: parameters.rounding,
         normals: parameters.normals.map(|n| reference::normals::Normals {
             kind: match n.kind {
                 Kind::Faces => reference::normals::Kind::Faces,

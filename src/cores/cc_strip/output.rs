@@ -15,6 +15,7 @@ use super::longitudinal;
 use super::schedule::Group;
 use crate::cores::loop_fd::AXES;
 use crate::error::Result;
+use crate::fixed::Rounding;
 use crate::hdl::{Builder, Placed, Signal, Word};
 
 /// What a group can put out.
@@ -157,7 +158,7 @@ impl<'a> Output<'a> {
                         Some(&columns?[axis].rows[row])
                     });
                     let drop = aligned.word().fraction - self.parameters.output_fraction as i32;
-                    let rounded = m.round(&aligned, drop as u32, self.parameters.rounding);
+                    let rounded = m.round(&aligned, drop as u32, Rounding::HalfUp);
                     held(
                         &format!("{name}_{}_kept", AXES[axis]),
                         &m.wrap(&rounded, self.parameters.output_word()),

@@ -25,7 +25,7 @@ pub struct Parameters {
     /// The largest valence of a control vertex.
     pub max_valence: u32,
     pub precision: Precision,
-    /// How new vertices and outputs lose their last bits.
+    /// How new vertices lose their last bits; what leaves is rounded half up.
     pub rounding: Rounding,
     /// Fraction bits of the table kappa_d = 1 / (4 d^2).
     pub table_bits: u32,
@@ -176,7 +176,7 @@ impl Parameters {
         (self.limit || self.normals.is_some()).then(|| finish::Parameters {
             word: self.word(self.levels),
             output: self.output_word(),
-            rounding: self.rounding,
+            rounding: Rounding::HalfUp,
             levels: [1, self.levels],
             max_valence: self.max_valence,
             limit: self.limit.then_some(self.table_bits),

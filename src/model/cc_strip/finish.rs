@@ -9,7 +9,7 @@
 //! The sums are exact and over 2^b, b the bits of the table. Source: Halstead, Kass, DeRose 1993.
 
 use super::around::{Around, Three, plus};
-use super::{CcStrip, OutputColumn, Parameters, Point, rounded};
+use super::{CcStrip, OutputColumn, Parameters, Point, half_up};
 
 impl Parameters {
     /// Whether what is put out for a column depends on its neighbours.
@@ -25,7 +25,7 @@ impl CcStrip {
     pub fn finish(&self, levels: u32, index: usize, three: Three) -> OutputColumn {
         let parameters = &self.parameters;
         let shift = parameters.numbers.fraction(levels) as i32 - parameters.extra_fraction;
-        let narrow = |p: Point, shift: i32| p.map(|x| rounded(x, shift) as i64);
+        let narrow = |p: Point, shift: i32| p.map(|x| half_up(x, shift) as i64);
         let rows = 0..three.column.rows.len();
         let position = |r: usize| {
             let s = three.column.rows[r];

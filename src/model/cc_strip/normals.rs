@@ -19,7 +19,7 @@
 
 use super::around::Three;
 use super::level::LevelColumn;
-use super::{Parameters, Point, rounded};
+use super::{Parameters, Point, half_up};
 use crate::error::{Error, Result};
 use crate::surface::catmull_clark::masks::tangents;
 use crate::surface::catmull_clark::strips::records::Outside;
@@ -120,7 +120,7 @@ fn cross(a: Point, b: Point) -> Point {
 
 /// The column with its points over the fraction bits of the vectors.
 fn reduced(column: &LevelColumn, drop: i32) -> LevelColumn {
-    let mut point = |p: &Point| p.map(|x| rounded(x, drop));
+    let mut point = |p: &Point| p.map(|x| half_up(x, drop));
     let rows = column.rows.iter().map(&mut point).collect();
     LevelColumn { rows, outside: column.outside.each_ref().map(|o: &Outside<Point>| o.map(&mut point)) }
 }
@@ -189,7 +189,7 @@ impl Ring {
         let sum = entries.fold([0; 3], |sum: Point, (w, (a, x))| {
             std::array::from_fn(|k| sum[k] + w[0] * a[k] + w[1] * x[k])
         });
-        sum.map(|x| rounded(x, WEIGHT_BITS as i32))
+        sum.map(|x| half_up(x, WEIGHT_BITS as i32))
     }
 }
 

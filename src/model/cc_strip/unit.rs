@@ -23,12 +23,12 @@ pub fn unit(vector: [i128; 3], n: u32) -> [i64; 3] {
     let (m, p) = (n + 4, n + 5);
     let fits = |e: &u32| vector.iter().all(|&c| -(1 << e) <= c && c < 1 << e);
     let e = (0..126).find(fits).unwrap_or(126);
-    let v = vector.map(|c| super::rounded(c, e as i32 - m as i32));
+    let v = vector.map(|c| super::half_up(c, e as i32 - m as i32));
     let q: i128 = v.iter().map(|c| c * c).sum();
     let below = q < 1 << (2 * m);
     let y = reciprocal_root(if below { 4 * q } else { q }, n);
     let doubled = u32::from(below);
-    v.map(|c| super::rounded((c * y) << doubled, (m + p - n) as i32) as i64)
+    v.map(|c| super::half_up((c * y) << doubled, (m + p - n) as i32) as i64)
 }
 
 /// 2^p / sqrt(u / 2^2m) for u in [2^2m, 2^2m+2).

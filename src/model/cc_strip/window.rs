@@ -44,7 +44,8 @@ where
         }
         let numbers = self.core.parameters.numbers;
         let more = numbers.fraction(level + 1) - numbers.fraction(level);
-        let step = Step { more, table: &self.core.table };
+        let rounding = self.core.parameters.rounding;
+        let step = Step { more, rounding, table: &self.core.table };
         if index >= 1 {
             let [previous, column, next] = &self.columns[level as usize];
             let column = column.as_ref().map(|column| {
