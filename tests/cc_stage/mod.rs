@@ -147,7 +147,10 @@ impl Stage {
         };
         match found {
             Some(point) => point[axis] << shift,
-            None => i128::from(self.random.coordinate(self.case.width)),
+            None => {
+                let noise = i128::from(self.random.coordinate(self.case.width));
+                noise << numbers.fraction(self.case.levels[1])
+            }
         }
     }
 
