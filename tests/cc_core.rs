@@ -58,6 +58,7 @@ fn run(core: &Rc<Module>, parameters: Parameters, name: &str, level: u32, stalls
     let bench = StripBench::new(core, parameters, level, &mesh, &rings).unwrap();
     let mut stimulus = Stimulus::new(bench.input.clone(), bench.expected.clone());
     [stimulus.gaps, stimulus.back_pressure] = stalls;
+    stimulus.expected_clocks = Some(bench.clocks(&stimulus));
     let outcome = Builtin::new(|| Model::new(core)).run(&device(core, &[], None), &stimulus).unwrap();
     let located = outcome.error(&|beat| bench.locate(beat));
     assert!(outcome.passed(), "{what}: {located:?}");

@@ -6,6 +6,7 @@ use std::process::Command;
 
 use subdiv_rtl::cores::cc_strip::{self, Precision, Schedule};
 use subdiv_rtl::cores::loop_fd::{Parameters, RegisterForm};
+use subdiv_rtl::hdl::{Word, verilog};
 use subdiv_rtl::package;
 use subdiv_rtl::package::Package;
 
@@ -19,12 +20,17 @@ const COMMANDS: [(&str, &str); 3] = [
 fn check(package: &Package, what: &str) {
     let folder = tempfile::tempdir().expect("a temporary folder");
     package.write(&folder.path().join("core"), false).expect("the core is written");
+    silent_everywhere(&folder.path().join("core"), &package.top, what);
+}
+
+/// In every tool that is installed; the sources are in `rtl/`.
+fn silent_everywhere(folder: &Path, top: &str, what: &str) {
     for (tool, command) in COMMANDS {
         if Command::new(tool).arg("-V").output().is_err() {
             println!("skipped: {tool} is not installed");
             continue;
         }
-        silent(&folder.path().join("core"), &command.replace("TOP", &package.top), what);
+        silent(folder, &command.replace("TOP", top), what);
     }
 }
 
@@ -83,5 +89,19 @@ fn cc_strip_is_silent() {
         };
         let what = format!("{parameters:?}");
         check(&package::cc_strip::package(parameters, true).expect(&what), &what);
+    }
+}
+
+#[test]
+fn the_buffer_of_longitudinal_strips_is_silent() {
+    for (log_columns, levels, width) in [(1, 1, 8), (5, 3, 24), (3, 5, 40)] {
+        let module =
+            cc_strip::longitudinal::build(log_columns, levels, Word::signed(width)).expect("a buffer");
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        std::fs::create_dir(folder.path().join("rtl")).expect("a folder");
+        for file in verilog::print(&module, "a test").expect("Verilog") {
+            std::fs::write(folder.path().join("rtl").join(file.name), file.text).expect("a file");
+        }
+        silent_everywhere(folder.path(), &module.name, &format!("N = 2^{log_columns}, {levels} levels"));
     }
 }

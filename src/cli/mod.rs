@@ -17,6 +17,7 @@ mod failure;
 pub mod generate;
 pub mod output;
 pub mod progress;
+pub mod report;
 pub mod shapes;
 pub mod simulate;
 pub mod strip_options;
@@ -70,6 +71,7 @@ struct Cli {
 enum Command {
     Simulate(Box<simulate::Args>),
     Generate(Box<generate::Args>),
+    Report(report::Args),
     Shapes(shapes::Args),
     Doctor(doctor::Args),
     Completions(completions::Args),
@@ -80,6 +82,7 @@ impl Command {
     fn format(&self) -> Format {
         match self {
             Command::Simulate(args) => args.format.format,
+            Command::Report(args) => args.format(),
             Command::Shapes(args) => args.format.format,
             Command::Doctor(args) => args.format.format,
             Command::Generate(_) | Command::Completions(_) => Format::Text,
@@ -90,6 +93,7 @@ impl Command {
         match self {
             Command::Simulate(args) => simulate::run(args),
             Command::Generate(args) => generate::run(args),
+            Command::Report(args) => report::run(args),
             Command::Shapes(args) => shapes::run(args),
             Command::Doctor(args) => doctor::run(args),
             Command::Completions(args) => completions::run(args),

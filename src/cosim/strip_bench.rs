@@ -9,11 +9,12 @@ use std::rc::Rc;
 
 use super::core::port;
 use super::strip_lanes::Lanes;
-use crate::cores::cc_strip::{Parameters, Precision, Role};
-use crate::cosim::{Beat, Port};
+use crate::cores::cc_strip::{Parameters, Precision, Role, Schedule};
+use crate::cosim::{Beat, Port, Stimulus};
 use crate::error::{Error, Result};
 use crate::hdl::{Direction, Module};
 use crate::model::cc_strip::{self as reference, CcStrip};
+use crate::model::cc_strip_clocks;
 use crate::surface::catmull_clark::assembly::QuadAssembly;
 use crate::surface::catmull_clark::fine_grid::QuadGrid;
 use crate::surface::catmull_clark::numbers::Numbers;
@@ -36,6 +37,9 @@ pub struct StripBench {
     level: u32,
     lanes: Lanes,
     output: Port,
+    /// The strips as the protocol sees them.
+    traffic: Vec<cc_strip_clocks::Strip>,
+    core: cc_strip_clocks::Core,
 }
 
 impl StripBench {
@@ -62,6 +66,8 @@ impl StripBench {
             level,
             lanes: Lanes::new(parameters, level),
             output,
+            traffic: vec![],
+            core: protocol(parameters),
         };
         for strip in numbers {
             let strip = strip.map(|&vertex| rings.positions()[vertex as usize]);
@@ -69,10 +75,21 @@ impl StripBench {
                 Error::input("a strip ends at a boundary where no ghosts can stand")
                     .help("the core needs a column beyond each end of a strip")
             })?;
+            bench.traffic.push(traffic(level, &words));
             bench.input.extend(words);
             bench.expected.extend(bench.lanes.beats(&bench.output, &reference.columns(level, &strip)?));
         }
         Ok(bench)
+    }
+
+    /// The clocks the core must take under the stalls of a stimulus.
+    pub fn clocks(&self, stimulus: &Stimulus) -> u64 {
+        cc_strip_clocks::run(self.core, &self.traffic, &stimulus.offer_pattern(), &stimulus.ready_pattern())
+    }
+
+    /// The strips that the mesh was cut into.
+    pub fn strips(&self) -> &[Strip] {
+        &self.strips
     }
 
     /// An output beat in the user's terms.
@@ -109,6 +126,30 @@ impl StripBench {
         }
         Ok(assembly)
     }
+}
+
+/// The core as its protocol sees it.
+pub fn protocol(parameters: Parameters) -> cc_strip_clocks::Core {
+    cc_strip_clocks::Core {
+        levels: parameters.levels,
+        schedule: match parameters.schedule {
+            Schedule::Shared => reference::schedule::Schedule::Shared,
+            Schedule::Pipelined => reference::schedule::Schedule::Pipelined,
+            Schedule::Double => reference::schedule::Schedule::Double,
+        },
+        folded: parameters.folded,
+        rows_per_clock: parameters.rows_per_clock,
+        finish: None,
+    }
+}
+
+/// The words of a strip, column by column.
+fn traffic(level: u32, words: &[Beat]) -> cc_strip_clocks::Strip {
+    let ends: Vec<usize> =
+        (0..words.len()).filter(|&at| words[at].user >> 7 & 1 == 1).map(|at| at + 1).collect();
+    let starts = std::iter::once(0).chain(ends.iter().copied());
+    let words = ends.iter().zip(starts).map(|(end, start)| (end - start) as u32).collect();
+    cc_strip_clocks::Strip { level, words }
 }
 
 /// The reference of a core with these parameters.

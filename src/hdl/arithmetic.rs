@@ -192,13 +192,43 @@ impl Builder {
                 .help("claim its range first")
             });
         }
+        if drop > Range::WIDEST {
+            self.fail(|m| {
+                let name = m.describe(of.id);
+                Error::usage(format!("{drop} bits dropped of {name}, which is {word}"))
+                    .help("no word has so many bits")
+            });
+            return of;
+        }
+        // Rounding keeps the order, so equal ends decide all between. What is proved exact stays a cell.
+        if let (Some(low), Some(high)) = (mode.apply(word.range.min, drop), mode.apply(word.range.max, drop))
+            && low == high
+            && mode != Rounding::Exact
+        {
+            let fraction = word.fraction - drop as i32;
+            return self.constant(low, Word::from(Range::point(low)).fraction(fraction));
+        }
         let half = 1i128 << (drop - 1);
         let biased = match mode {
             Rounding::Floor | Rounding::Exact => of,
             Rounding::HalfUp => self.signal(&of + half),
             Rounding::HalfEven => {
-                let odd = self.rescale(&self.slice(&of, drop, 1), of.word().fraction);
+                // Above a number's highest bit stand copies of its sign, or zeros.
+                let bit = match of.width() {
+                    width if drop < width => self.slice(&of, drop, 1),
+                    width if word.is_signed() => self.slice(&of, width - 1, 1),
+                    _ => self.bit(false),
+                };
+                let odd = self.rescale(&bit, word.fraction);
                 self.signal(&of + &odd + (half - 1))
+            }
+            Rounding::Truncate if word.range.min >= 0 => of,
+            Rounding::Truncate => {
+                // A negative number is lifted by just less than a unit, so that its floor is its ceiling.
+                let negative = self.slice(&of, word.width() - 1, 1);
+                let point = |value| self.constant(value, Word { range: Range::point(value), ..word });
+                let lift = self.select(&negative, &point(2 * half - 1), &point(0));
+                self.signal(&of + &lift)
             }
         };
         self.shift_right(&biased, drop, mode == Rounding::Exact)
@@ -233,13 +263,18 @@ impl Builder {
         self.add(Cell::Wrap { of: clamped.id }, Word { range, ..word }, clamped.time())
     }
 
-    /// `condition ? on_true : on_false`.
+    /// `condition ? on_true : on_false`; no multiplexer where the condition is a constant.
     #[track_caller]
     pub fn select(&self, condition: &Signal, on_true: impl Into<Expr>, on_false: impl Into<Expr>) -> Signal {
         let mut operands = vec![condition.clone(), self.signal(on_true), self.signal(on_false)];
         let time = self.align(&mut operands);
         let [condition, on_true, on_false] = [&operands[0], &operands[1], &operands[2]];
         let (a, b) = (on_true.word(), on_false.word());
+        let chosen = match condition.cell() {
+            Cell::Constant(0) => Some(on_false.clone()),
+            Cell::Constant(_) => Some(on_true.clone()),
+            _ => None,
+        };
         if a.fraction != b.fraction || condition.word() != Word::bit() {
             self.fail(|m| {
                 let names =
@@ -255,6 +290,12 @@ impl Builder {
                 Word::modular(widths.min().unwrap_or(1)).fraction(a.fraction)
             }
         };
+        // The choice itself, in the word that it has whatever the condition.
+        match chosen {
+            Some(chosen) if chosen.word() == word => return chosen,
+            Some(chosen) => return self.add(Cell::Wrap { of: chosen.id }, word, chosen.time()),
+            None => {}
+        }
         let (condition, on_true, on_false) = (condition.id, on_true.id, on_false.id);
         self.add(Cell::Select { condition, on_true, on_false }, word, time)
     }

@@ -159,10 +159,19 @@ impl Builder {
         }
     }
 
-    /// An instance of a finished module; inputs by name. Inputs that come at different times are delayed
+    /// An instance of a finished module without bus ports; inputs by name. Inputs that come at different times are delayed
     /// to the latest, and the outputs count from there.
     #[track_caller]
     pub fn instance(&self, name: &str, module: &Rc<Module>, inputs: &[(&str, &Signal)]) -> Placed {
+        if let Some(bus) = module.buses.first() {
+            self.fail(|_| {
+                Error::usage(format!(
+                    "instance {name} of {}, which has the bus port {}",
+                    module.name, bus.name
+                ))
+                .help("give an inner module its ports one by one; buses are for the top")
+            });
+        }
         let mut base = 0;
         let mut found = Vec::new();
         for &id in &module.inputs {

@@ -5,9 +5,10 @@ use std::rc::Rc;
 use serde::Serialize;
 
 use super::cell::{Cell, Node};
+use super::live::Live;
 use super::module::Module;
 
-/// Counts over a whole design, each instance counted.
+/// Counts over a whole design, each instance counted; what nobody needs is not.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Counts {
     /// Two-operand adders and subtractors; a constant addend counts as an operand.
@@ -30,8 +31,10 @@ pub struct Counts {
 impl Counts {
     pub fn of(top: &Rc<Module>) -> Counts {
         let mut counts = Counts::default();
-        top.nodes.iter().for_each(|node| counts.add_node(node));
-        for memory in &top.memories {
+        let live = Live::of(top);
+        let needed = top.nodes.iter().zip(&live.nodes).filter(|(_, live)| **live);
+        needed.for_each(|(node, _)| counts.add_node(node));
+        for (memory, _) in top.memories.iter().zip(&live.memories).filter(|(_, live)| **live) {
             counts.memories += 1;
             counts.memory_bits += u64::from(memory.depth) * u64::from(memory.word.width());
         }

@@ -3,6 +3,7 @@
 use std::rc::Rc;
 
 use super::cell::{Cell, Node, NodeId};
+use super::live::Live;
 use crate::fixed::Range;
 
 /// A memory with one synchronous read port for each [`Cell::MemoryRead`] and at most one write port.
@@ -102,14 +103,18 @@ impl Module {
         self.node(output.node).time.unwrap_or(0)
     }
 
-    /// Whether anything in it or below it is clocked, and whether anything is reset.
+    /// Whether anything in it or below it that somebody needs is clocked, and whether anything is reset.
     pub fn needs_clock(&self) -> bool {
-        self.nodes.iter().any(|n| matches!(n.cell, Cell::Register { .. } | Cell::MemoryRead { .. }))
+        self.needed().any(|n| matches!(n.cell, Cell::Register { .. } | Cell::MemoryRead { .. }))
             || self.instances.iter().any(|i| i.module.needs_clock())
     }
     pub fn needs_reset(&self) -> bool {
-        self.nodes.iter().any(|n| matches!(n.cell, Cell::Register { reset: Some(_), .. }))
+        self.needed().any(|n| matches!(n.cell, Cell::Register { reset: Some(_), .. }))
             || self.instances.iter().any(|i| i.module.needs_reset())
+    }
+
+    fn needed(&self) -> impl Iterator<Item = &Node> {
+        self.nodes.iter().zip(Live::of(self).nodes).filter_map(|(node, live)| live.then_some(node))
     }
 
     /// This module and all below it, each once, the inner ones first.

@@ -5,6 +5,7 @@ use super::expression::{Expr, Signal, Sum};
 use super::module::{Memory, MemoryWrite};
 use super::{Builder, Word};
 use crate::error::Error;
+use crate::fixed::Range;
 
 impl Builder {
     /// A register that holds its value until [`Builder::on`] or [`Builder::always`] gives it another.
@@ -23,8 +24,24 @@ impl Builder {
     pub fn register_at(&self, name: impl Into<String>, word: Word, reset: Option<i128>, time: u32) -> Signal {
         let register = self.add(Cell::Register { next: None, enable: None, reset }, word, Some(time));
         self.rename(&register, name.into());
+        self.check_reset(&register, reset);
         self.0.borrow_mut().clauses.insert(register.id, vec![]);
         register
+    }
+
+    /// What is derived from a register's range must hold after a reset, too.
+    #[track_caller]
+    fn check_reset(&self, register: &Signal, reset: Option<i128>) {
+        let word = register.word();
+        if let Some(reset) = reset.filter(|&value| !word.range.contains(Range::point(value))) {
+            self.fail(|m| {
+                Error::usage(format!(
+                    "register {} is {word}, but its reset is {reset}",
+                    m.describe(register.id)
+                ))
+                .help("reset it to a number of its range, or widen the register")
+            });
+        }
     }
 
     /// At an edge where `condition` is 1, and no clause given before for this register applies, the
@@ -122,6 +139,7 @@ impl Builder {
     #[track_caller]
     pub fn pipe_reset(&self, name: impl Into<String>, value: impl Into<Expr>, reset: i128) -> Signal {
         let register = self.pipe(name, value);
+        self.check_reset(&register, Some(reset));
         if let Cell::Register { reset: r, .. } =
             &mut self.0.borrow_mut().module.nodes[register.id.index()].cell
         {
@@ -229,7 +247,8 @@ impl Builder {
     /// A memory of `depth` words, inferred as block RAM; with `contents` and no write port, a ROM.
     #[track_caller]
     pub fn memory(&self, name: &str, depth: u32, word: Word, contents: Vec<i128>) -> MemoryHandle {
-        if contents.len() > depth as usize || contents.iter().any(|&c| word.range.wrap(c) != c) {
+        if contents.len() > depth as usize || contents.iter().any(|&c| !word.range.contains(Range::point(c)))
+        {
             self.fail(|_| {
                 Error::usage(format!("memory {name}: its contents do not fit {depth} words of {word}"))
                     .help("give it more or wider words")
@@ -254,7 +273,8 @@ pub struct MemoryHandle {
 }
 
 impl MemoryHandle {
-    /// The write port: at an edge where `enable` is 1, `data` goes to `address`.
+    /// The write port: at an edge where `enable` is 1, `data` goes to `address`. Signals that come early wait for
+    /// the others.
     #[track_caller]
     pub fn write(&self, enable: &Signal, address: &Signal, data: &Signal) {
         let m = &self.builder;
@@ -267,16 +287,24 @@ impl MemoryHandle {
             });
         }
         self.check_address(address);
-        let write = MemoryWrite { enable: enable.id, address: address.id, data: data.id };
+        let mut port = [enable, address, data].map(Signal::clone);
+        m.align(&mut port);
+        let [enable, address, data] = port.map(|signal| signal.id);
+        let write = MemoryWrite { enable, address, data };
         m.0.borrow_mut().module.memories[self.index].write = Some(write);
     }
 
-    /// A read port: the word appears one clock after its address, and stays while `enable` is 0.
+    /// A read port: the word appears one clock after its address, and stays while `enable` is 0. Of the two, the
+    /// earlier one waits for the other.
     #[track_caller]
     pub fn read(&self, name: &str, address: &Signal, enable: Option<&Signal>) -> Signal {
         self.check_address(address);
-        let cell = Cell::MemoryRead { memory: self.index, address: address.id, enable: enable.map(|e| e.id) };
-        let read = self.builder.add(cell, self.word, address.time().map(|t| t + 1));
+        // Without an enable, the address stands in for it.
+        let mut port = [address, enable.unwrap_or(address)].map(Signal::clone);
+        let time = self.builder.align(&mut port).unwrap_or(0);
+        let cell =
+            Cell::MemoryRead { memory: self.index, address: port[0].id, enable: enable.map(|_| port[1].id) };
+        let read = self.builder.add(cell, self.word, Some(time + 1));
         self.builder.rename(&read, name.into());
         read
     }

@@ -6,9 +6,10 @@ use super::{Draft, Package, assemble};
 use crate::cores::cc_strip::proof::{Proof, prove};
 use crate::cores::cc_strip::{Parameters, Precision, Schedule, build, stored_vertices};
 use crate::cosim::device;
-use crate::cosim::strip_bench::StripBench;
+use crate::cosim::strip_bench::{StripBench, protocol};
 use crate::error::Result;
 use crate::hdl::verilog;
+use crate::model::cc_strip_clocks;
 use crate::surface::catmull_clark::quad_mesh::QuadMesh;
 use crate::surface::catmull_clark::rings::{Boundary, Rings};
 
@@ -52,7 +53,10 @@ pub fn package(parameters: Parameters, prove_it: bool) -> Result<Package> {
         parameters: parameters_json(parameters, stored_vertices(&core, parameters)?),
         streams: streams(parameters),
         latency: Value::Null,
-        initiation_interval: json!({ "clocks_per_input_column": parameters.clocks_per_column() }),
+        initiation_interval: json!({
+            "clocks_per_input_column": cc_strip_clocks::clocks_per_column(protocol(parameters)),
+            "where": "strips of the finest level, valence 4, no stalls",
+        }),
         proofs: proofs(proof.as_ref()),
         input: &bench.input,
         expected: &bench.expected,

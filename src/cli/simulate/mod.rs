@@ -4,6 +4,7 @@
 
 mod result;
 mod run;
+mod strip_picture;
 mod strips;
 
 pub use run::is_mismatch;
@@ -11,12 +12,12 @@ pub use run::is_mismatch;
 use super::{
     output::{self, FormatArg},
     strip_options::StripUnits,
-    values::{FINEST_LEVEL, Registers, USUAL_MAX_LEVEL},
+    values::{FINEST_LEVEL, Numbers, Registers, USUAL_MAX_LEVEL},
 };
 use crate::{
     cosim::Stall,
     error::{Error, Result},
-    fixed::Format,
+    fixed::{Format, Precision},
 };
 use clap::ValueEnum;
 use std::{
@@ -90,9 +91,16 @@ pub struct Core {
     #[arg(long, value_name = "N", value_parser = level())]
     pub max_level: Option<u32>,
 
+    /// The coarsest level the core is made for; only meshes without irregular vertices can do without level 0
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = level())]
+    pub min_level: u32,
+
     /// Registers of each coordinate
     #[arg(long, value_name = "COUNT", value_enum, default_value_t)]
     pub registers: Registers,
+
+    #[command(flatten)]
+    pub numbers: Numbers,
 }
 
 /// How it is run.
@@ -190,10 +198,12 @@ pub enum Colour {
     /// Nothing: porcelain
     #[default]
     Plain,
-    /// The distance of each vertex from the exact limit surface
+    /// The distance of each vertex from its exact place
     Error,
     /// The polynomial patches, by their depth around irregular vertices
     Patches,
+    /// The strips that a quad mesh was cut into
+    Strips,
 }
 
 fn level() -> impl clap::builder::TypedValueParser<Value = u32> {
@@ -212,7 +222,9 @@ pub struct Settings {
     /// Nothing: that of the coordinates.
     pub output_fraction: Option<u32>,
     pub max_level: u32,
+    pub min_level: u32,
     pub registers: Registers,
+    pub precision: Precision,
     /// Guard bits of the strip core; nothing: exact.
     pub guard: Option<u32>,
     /// The most levels of the strip core; nothing: the level.
@@ -279,6 +291,19 @@ impl Args {
             let what = format!("level {} of a core that ends at level {max_level}", self.level);
             return Err(Error::usage(what).help("lower --level or raise --max-level"));
         }
+        if self.scheme == Scheme::Loop && self.keep.colour == Colour::Strips {
+            return Err(Error::usage("triangles go patch by patch, not in strips")
+                .help("choose --colour patches, or --scheme catmull-clark"));
+        }
+        if self.level < self.core.min_level {
+            let what = format!("level {} of a core that begins at level {}", self.level, self.core.min_level);
+            return Err(Error::usage(what).help("raise --level or lower --min-level"));
+        }
+        let precision = self.core.numbers.precision()?;
+        if self.scheme == Scheme::CatmullClark && precision != Precision::Exact {
+            return Err(Error::usage("fraction bits of differences, of which strips have none")
+                .help("with --scheme catmull-clark, give --guard N"));
+        }
         let fine_mesh = self.keep.output.clone();
         for file in [&fine_mesh, &self.keep.picture, &self.keep.vcd].into_iter().flatten() {
             in_a_folder(file)?;
@@ -299,7 +324,9 @@ impl Args {
             coordinates: self.core.coordinates,
             output_fraction: self.core.output_fraction,
             max_level,
+            min_level: self.core.min_level,
             registers: self.core.registers,
+            precision,
             guard: self.core.guard,
             strip_levels: self.core.max_level,
             units: self.units.clone(),
@@ -399,6 +426,22 @@ mod tests {
     }
 
     #[test]
+    fn reduced_numbers_are_for_the_differences_of_loop() {
+        let precision = |words: &str| settings(&format!("a.obj {words}")).precision.to_string();
+        assert_eq!(precision("--fraction 17"), "17 half-up");
+        assert_eq!(precision("--fractions 7,11,15,18,18 --rounding floor"), "7,11,15,18,18 floor");
+        for words in
+            ["--fractions 7,11", "--fractions 3,2,2,2,2", "--rounding up", "--fraction 7 --fractions 7"]
+        {
+            assert!(parse(&format!("a.obj {words}")).is_err(), "{words}");
+        }
+        for words in ["--saturate", "--fraction 7 --scheme catmull-clark", "--min-level 6"] {
+            let refused = parse(&format!("a.obj {words}")).unwrap().settings();
+            assert_eq!(refused.unwrap_err().exit_status(), 2, "{words}");
+        }
+    }
+
+    #[test]
     fn simulators_are_a_set() {
         use SimulatorName::{Builtin, Icarus, Verilator};
         let chosen = |words: &str| settings(&format!("a.obj {words}")).simulators;
@@ -418,6 +461,13 @@ mod tests {
         for words in ["a.obj -o fine.off", "a.obj -o fine", "a.obj --picture fine.jpg"] {
             assert_eq!(parse(words).unwrap().settings().unwrap_err().exit_status(), 2, "{words}");
         }
+    }
+
+    #[test]
+    fn strips_are_shown_of_quads_only() {
+        let colour = "a.obj --picture a.png --colour strips";
+        assert_eq!(parse(colour).unwrap().settings().unwrap_err().exit_status(), 2);
+        assert!(settings(&format!("{colour} --scheme catmull-clark")).picture.is_some());
     }
 
     #[test]

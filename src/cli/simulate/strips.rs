@@ -2,12 +2,12 @@
 
 use std::mem::take;
 
-use glam::DVec3;
 use serde_json::json;
 
 use super::result::{runs, simulator, tone, written};
-use super::run::{control_edges, load, run_all, stimulus};
-use super::{Colour, Picture, Settings, Source};
+use super::run::{load, run_all, stimulus};
+use super::strip_picture::{Drawn, draw};
+use super::{Settings, Source};
 use crate::cli::output::{self, Format as Output};
 use crate::cores::cc_strip::{Parameters, Precision, build};
 use crate::cosim::strip_bench::{StripBench, reference_parameters};
@@ -17,7 +17,6 @@ use crate::fixed::Format;
 use crate::hdl::verilog;
 use crate::mesh::{self, FineMesh, Mesh};
 use crate::package;
-use crate::report::picture::{self, Colouring, Finish, Normals, Options, Scene, Wire};
 use crate::report::table::{Align, Cell, Table, thousands};
 use crate::surface::catmull_clark::assembly::QuadAssembly;
 use crate::surface::catmull_clark::control::control;
@@ -35,6 +34,7 @@ struct Found<'a> {
     parameters: Parameters,
     bench: &'a StripBench,
     drawn: &'a QuadAssembly<'a>,
+    oracle: &'a QuadOracle,
     /// Nothing where vertices are missing.
     error: Option<ErrorLsb>,
     bound: f64,
@@ -80,7 +80,8 @@ pub fn run(settings: &Settings) -> Result<()> {
     let core = build(parameters)?;
     let mut bench = StripBench::new(&core, parameters, settings.level, &quads, &rings)?;
     let sources = verilog::print(&core, &package::cc_strip::command(parameters))?;
-    let vectors = stimulus(settings, take(&mut bench.input), take(&mut bench.expected));
+    let mut vectors = stimulus(settings, take(&mut bench.input), take(&mut bench.expected));
+    vectors.expected_clocks = Some(bench.clocks(&vectors));
     let outcomes = run_all(settings, &core, &device(&core, &sources, None), vectors)?;
 
     let drawn = bench.assemble(&quads, outcomes.first().map_or(&[], |outcome| &outcome.received))?;
@@ -105,6 +106,7 @@ pub fn run(settings: &Settings) -> Result<()> {
         parameters,
         bench: &bench,
         drawn: &drawn,
+        oracle: &oracle,
         error,
         bound: error_bound_lsb(&accuracy),
         outcomes: &outcomes,
@@ -143,30 +145,21 @@ fn write(found: &Found, positions: Vec<[i64; 3]>) -> Result<()> {
         mesh::write(path, &FineMesh { format, positions: positions.clone(), faces })?;
     }
     if let Some(picture) = &settings.picture {
-        let image = draw(found, picture, &positions, format)?;
+        let target = Target::Refined;
+        let extra = reference_parameters(p).extra_fraction;
+        let error = |vertex: usize| found.oracle.vertex_error(vertex, positions[vertex], target, extra);
+        let drawn = Drawn {
+            grid: found.drawn.grid(),
+            strips: found.bench.strips(),
+            control: found.mesh,
+            positions: &positions,
+            format,
+            error: &error,
+        };
+        let image = draw(&drawn, picture)?;
         crate::files::write_whole(&picture.file, &image)?;
     }
     Ok(())
-}
-
-fn draw(found: &Found, wanted: &Picture, positions: &[[i64; 3]], format: Format) -> Result<Vec<u8>> {
-    if wanted.colour != Colour::Plain {
-        return Err(Error::usage("strips are drawn in one colour").help("leave out --colour"));
-    }
-    let point = |p: &[i64; 3]| DVec3::from_array(p.map(|x| x as f64 * format.lsb()));
-    let positions: Vec<DVec3> = positions.iter().map(point).collect();
-    let halves = |[a, b, c, d]: [u32; 4]| [[a, b, c], [a, c, d]];
-    let triangles: Vec<[u32; 3]> = found.drawn.grid().quads().flat_map(halves).collect();
-    let edges = control_edges(found.mesh);
-    let scene = Scene {
-        positions: &positions,
-        triangles: &triangles,
-        normals: Normals::Smooth,
-        colouring: Colouring::Plain,
-        control: wanted.control_mesh.then_some(Wire { positions: &found.mesh.positions, edges: &edges }),
-    };
-    let finish = if wanted.reflection_lines { Finish::ReflectionLines } else { Finish::Studio };
-    Ok(picture::render(&scene, &Options { finish, ..Options::default() })?.png())
 }
 
 fn print(found: &Found, right: bool) -> Result<()> {

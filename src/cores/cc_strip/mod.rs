@@ -28,6 +28,7 @@ pub mod finish;
 pub mod finish_proof;
 mod limit;
 mod loader;
+pub mod longitudinal;
 mod normals;
 mod output;
 mod parameters;

@@ -139,15 +139,6 @@ impl Parameters {
         (self.max_valence - 3) as usize
     }
 
-    /// Clocks for each further column of a strip of the finest level, where the host keeps up.
-    pub fn clocks_per_column(self) -> u32 {
-        let busy = |group: &Group| -> u32 {
-            let clocks: u32 = group.levels.clone().map(|level| (2 << level) * group.slices(level)).sum();
-            if group.double { clocks / 2 } else { clocks }
-        };
-        self.groups().iter().map(busy).max().unwrap_or(0)
-    }
-
     /// Which unit makes the columns of which levels.
     pub fn groups(self) -> Vec<Group> {
         groups(self.schedule, self.folded, self.levels, self.rows_per_clock)

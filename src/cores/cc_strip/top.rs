@@ -80,7 +80,7 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
         m.drive(&ready[index], m.wire(format!("group_{index}_ready"), control.out("ready")));
 
         let unit = engine::build(parameters, index, &groups)?;
-        let mut place = |axis: usize| -> Placed {
+        let place = |axis: usize| -> Placed {
             let mut ports = incoming(&m, parameters, before, &control, &loader, &input.lanes[axis], axis);
             ports.extend(steering(group, &control));
             let inputs: Vec<(&str, &Signal)> = ports.iter().map(|(n, s)| (n.as_str(), s)).collect();

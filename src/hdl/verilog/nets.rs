@@ -7,6 +7,7 @@
 use std::collections::BTreeMap;
 
 use crate::hdl::cell::{Cell, NodeId};
+use crate::hdl::live::Live;
 use crate::hdl::module::{Direction, Module};
 use crate::hdl::names::Allocator;
 
@@ -93,6 +94,30 @@ impl Nets {
         gaps
     }
 
+    /// The number that a node always carries: a constant, seen through wiring that has no name.
+    pub fn constant(&self, module: &Module, id: NodeId) -> Option<i128> {
+        if self.names.contains_key(&id) {
+            return None;
+        }
+        let node = module.node(id);
+        match &node.cell {
+            Cell::Constant(value) => Some(*value),
+            Cell::ShiftRight { of, amount, .. } => {
+                let word = module.node(*of).word;
+                match self.constant(module, *of) {
+                    Some(value) => Some(value >> amount),
+                    // Without a sign nothing is left behind the highest bit.
+                    None => (*amount >= word.width() && !word.is_signed()).then_some(0),
+                }
+            }
+            Cell::Slice { of, low } => Some(node.word.range.wrap(self.constant(module, *of)? >> low)),
+            Cell::Wrap { of } | Cell::Claim { of, .. } => {
+                Some(node.word.range.wrap(self.constant(module, *of)?))
+            }
+            _ => None,
+        }
+    }
+
     /// The node as a part of a net; nothing for a constant, an inlined operation or a widening.
     pub fn span(&self, module: &Module, id: NodeId) -> Option<Span> {
         let node = module.node(id);
@@ -107,6 +132,9 @@ impl Nets {
             Cell::Wire { driver: Some(driver) } => (*driver, 0),
             _ => return None,
         };
+        if self.constant(module, id).is_some() {
+            return None;
+        }
         let inner = self.span(module, of)?;
         // Shifting everything out leaves the sign.
         let low = low.min(inner.width - 1);
@@ -161,24 +189,9 @@ impl<'a> Demands<'a> {
 
     fn gather(&mut self) {
         let module = self.module;
-        let mut live = vec![false; module.nodes.len()];
-        let mut open: Vec<NodeId> = module.outputs.iter().map(|o| o.node).collect();
-        open.extend(module.instances.iter().flat_map(|i| i.inputs.clone()));
-        open.extend(
-            module
-                .memories
-                .iter()
-                .filter_map(|m| m.write.as_ref())
-                .flat_map(|w| [w.enable, w.address, w.data]),
-        );
-        while let Some(id) = open.pop() {
-            if !std::mem::replace(&mut live[id.index()], true) {
-                open.extend(module.node(id).cell.combinational_inputs());
-                open.extend(module.node(id).cell.clocked_inputs());
-            }
-        }
+        let live = Live::of(module);
         for (index, node) in module.nodes.iter().enumerate().rev() {
-            if live[index] {
+            if live.nodes[index] {
                 self.current = Some(NodeId(index as u32));
                 self.gather_cell(NodeId(index as u32), &node.cell, node.word.width());
             }
@@ -198,7 +211,7 @@ impl<'a> Demands<'a> {
                 self.read_whole(input, Some(&instance.name));
             }
         }
-        for memory in &module.memories {
+        for (memory, _) in module.memories.iter().zip(&live.memories).filter(|(_, live)| **live) {
             if let Some(write) = &memory.write {
                 for id in [write.enable, write.address, write.data] {
                     self.read_whole(id, Some(&memory.name));
@@ -212,15 +225,9 @@ impl<'a> Demands<'a> {
         let name = name.as_deref();
         match cell {
             Cell::Sum { terms, .. } => {
-                for term in terms {
+                for term in terms.iter().filter(|term| term.shift < width) {
                     let own = self.module.node(term.of).word.width();
-                    self.read(
-                        term.of,
-                        0,
-                        own.min(width - term.shift.min(width)),
-                        term.shift > 0 || own != width,
-                        name,
-                    );
+                    self.read(term.of, 0, own.min(width - term.shift), term.shift > 0 || own != width, name);
                 }
             }
             Cell::ShiftRight { of, amount, .. } => self.read(*of, *amount, width, true, name),

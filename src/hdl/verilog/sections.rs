@@ -5,10 +5,11 @@ use std::rc::Rc;
 
 use super::Section;
 use super::nets::Nets;
-use super::text::{Printer, literal};
+use super::text::{Printer, literal, unwrapped};
 use crate::hdl::Word;
 use crate::hdl::cell::{Bitwise, Cell, NodeId};
-use crate::hdl::module::{Direction, Module, Output};
+use crate::hdl::live::Live;
+use crate::hdl::module::{Direction, Memory, Module, Output};
 
 /// `[59:0] ` and its sign, padded so that names stand below each other.
 fn shape(word: Word) -> String {
@@ -84,7 +85,13 @@ fn is_output_register(module: &Module, output: &Output) -> bool {
 }
 
 pub fn sections(module: &Module, nets: &Nets, name_of: &dyn Fn(&Rc<Module>) -> String) -> Vec<Section> {
-    let body = Body { module, nets, print: Printer { module, nets }, clocks: clocks(module) };
+    let body = Body {
+        module,
+        nets,
+        print: Printer { module, nets },
+        clocks: clocks(module),
+        live: Live::of(module),
+    };
     let mut sections = vec![
         Section { banner: "the lanes of the streams".into(), lines: body.lanes() },
         Section { banner: "state".into(), lines: body.state() },
@@ -133,6 +140,7 @@ struct Body<'a> {
     nets: &'a Nets,
     print: Printer<'a>,
     clocks: Vec<u32>,
+    live: Live,
 }
 
 impl Body<'_> {
@@ -183,7 +191,7 @@ impl Body<'_> {
                 lines.push(format!("{keyword} {}{name};{}", shape(node.word), remark(node.word)));
             }
         }
-        for memory in &self.module.memories {
+        for (memory, _) in self.live_memories() {
             let (word, last) = (memory.word, memory.depth - 1);
             lines.push(format!(
                 "reg  {}{} [0:{last}]; // {} words of {word}",
@@ -193,6 +201,12 @@ impl Body<'_> {
             ));
         }
         lines
+    }
+
+    /// The memories that somebody reads, with their indices.
+    fn live_memories(&self) -> impl Iterator<Item = (&Memory, usize)> {
+        let memories = self.module.memories.iter().zip(0..);
+        memories.filter(|(_, index)| self.live.memories[*index])
     }
 
     /// Somebody reads it, or it leaves the module.
@@ -315,7 +329,7 @@ impl Body<'_> {
 
     fn memories(&self, clock: u32) -> Vec<String> {
         let mut lines = vec![];
-        for (index, memory) in self.module.memories.iter().enumerate() {
+        for (memory, index) in self.live_memories() {
             let when = memory.write.as_ref().map_or(0, |w| self.clocks[w.enable.index()]);
             if when != clock {
                 continue;
@@ -330,8 +344,8 @@ impl Body<'_> {
             }
             lines.push("always @(posedge aclk) begin".into());
             if let Some(write) = &memory.write {
-                let [enable, address, data] =
-                    [write.enable, write.address, write.data].map(|id| self.print.whole(id));
+                let [enable, data] = [write.enable, write.data].map(|id| self.print.whole(id));
+                let address = self.print.index(write.address);
                 lines.push(format!("    if ({enable}) {name}[{address}] <= {data};"));
             }
             for id in self.ids().filter(|&id| self.needed(id)) {
@@ -341,7 +355,7 @@ impl Body<'_> {
                     let condition =
                         enable.map(|e| format!("if ({}) ", self.print.whole(e))).unwrap_or_default();
                     let read = self.nets.name(id).unwrap_or_default();
-                    lines.push(format!("    {condition}{read} <= {name}[{}];", self.print.whole(address)));
+                    lines.push(format!("    {condition}{read} <= {name}[{}];", self.print.index(address)));
                 }
             }
             lines.push("end".into());
@@ -422,19 +436,6 @@ impl Body<'_> {
         }
         if bits.is_empty() { vec![] } else { vec![format!("wire unused = &{{1'b0, {}}};", bits.join(", "))] }
     }
-}
-
-/// The text without the parentheses that enclose all of it, if any do.
-fn unwrapped(text: &str) -> &str {
-    let inner = text.strip_prefix('(').and_then(|t| t.strip_suffix(')'));
-    let balanced = |text: &&str| {
-        let mut depth = 0i32;
-        text.chars().all(|c| {
-            depth += i32::from(c == '(') - i32::from(c == ')');
-            depth >= 0
-        })
-    };
-    inner.filter(balanced).unwrap_or(text)
 }
 
 /// The comment behind a declaration; a single bit needs none.

@@ -68,10 +68,13 @@ impl Printer<'_> {
     /// `value(id) * 2^shift` in `width` bits: extended by its sign, or cut.
     pub fn sized(&self, id: NodeId, width: u32, shift: u32) -> String {
         let node = self.module.node(id);
-        if let Cell::Constant(value) = node.cell {
-            return literal(value.wrapping_shl(shift), width);
+        if shift >= width {
+            return literal(0, width);
         }
-        let room = width - shift.min(width);
+        if let Some(value) = self.nets.constant(self.module, id) {
+            return literal(value << shift, width);
+        }
+        let room = width - shift;
         let Some(span) = self.nets.span(self.module, id) else {
             // A widening or an inlined operation, read whole.
             return match &node.cell {
@@ -106,15 +109,54 @@ impl Printer<'_> {
         }
     }
 
+    /// The node as the index of a memory, which Verilog would take as a negative number if it were signed.
+    pub fn index(&self, id: NodeId) -> String {
+        let text = self.whole(id);
+        if self.is_signed(id, self.module.node(id).word.width()) {
+            format!("$unsigned({})", unwrapped(&text))
+        } else {
+            text
+        }
+    }
+
+    /// Whether Verilog takes what [`Printer::sized`] returns as a signed expression: it does where all operands are
+    /// whole nets that were declared so.
+    fn is_signed(&self, id: NodeId, width: u32) -> bool {
+        if self.nets.constant(self.module, id).is_some() {
+            return false;
+        }
+        if let Some(span) = self.nets.span(self.module, id) {
+            let word = self.module.node(span.base).word;
+            return word.is_signed()
+                && word.width() == width
+                && width > 1
+                && span.low == 0
+                && span.width == width;
+        }
+        let all = |ids: &[NodeId]| ids.iter().all(|&id| self.is_signed(id, width));
+        match &self.module.node(id).cell {
+            Cell::Sum { terms, constant } => {
+                *constant == 0 && terms.iter().all(|t| t.shift == 0 && self.is_signed(t.of, width))
+            }
+            Cell::Select { on_true, on_false, .. } => all(&[*on_true, *on_false]),
+            Cell::Product { left, right } => all(&[*left, *right]),
+            Cell::Logic { operands, .. } => all(operands),
+            Cell::Not { of } | Cell::Wrap { of } | Cell::Claim { of, .. } => self.is_signed(*of, width),
+            _ => false,
+        }
+    }
+
     fn part(&self, id: NodeId, low: u32, width: u32) -> String {
         match self.nets.span(self.module, id) {
+            // Behind the highest bit stand copies of the sign, or nothing.
+            Some(span) if low >= span.width && !span.signed => literal(0, width),
             Some(span) => {
                 let low = low.min(span.width - 1);
                 self.span_text(Span { low: span.low + low, width: width.min(span.width - low), ..span })
             }
-            None => match self.module.node(id).cell {
-                Cell::Constant(value) => literal(value >> low, width),
-                _ => self.sized(id, width, 0),
+            None => match self.nets.constant(self.module, id) {
+                Some(value) => literal(value >> low, width),
+                None => self.sized(id, width, 0),
             },
         }
     }
@@ -131,7 +173,8 @@ impl Printer<'_> {
 
     fn sum(&self, terms: &[crate::hdl::Term], constant: i128, width: u32) -> String {
         let mut text = String::new();
-        for term in terms {
+        // A term that is shifted out of the sum's word has cancelled against others.
+        for term in terms.iter().filter(|term| term.shift < width) {
             let operand = self.sized(term.of, width, term.shift);
             text += match (term.negate, text.is_empty()) {
                 (false, true) => "",
@@ -162,11 +205,15 @@ impl Printer<'_> {
             Relation::Less => "<",
             Relation::LessOrEqual => "<=",
         };
-        let ordered = matches!(relation, Relation::Less | Relation::LessOrEqual);
-        if ordered && signed {
-            format!("$signed({l}) {symbol} $signed({r})")
-        } else {
-            format!("{l} {symbol} {r}")
+        match relation {
+            Relation::Less | Relation::LessOrEqual if signed => {
+                format!("$signed({l}) {symbol} $signed({r})")
+            }
+            // Two signed operands would be compared as signed ones.
+            Relation::Less | Relation::LessOrEqual if self.is_signed(left, width) => {
+                format!("$unsigned({}) {symbol} {r}", unwrapped(&l))
+            }
+            _ => format!("{l} {symbol} {r}"),
         }
     }
 }
@@ -175,4 +222,17 @@ impl Printer<'_> {
 pub fn literal(value: i128, width: u32) -> String {
     let bits = if width >= 128 { value as u128 } else { value as u128 & ((1 << width) - 1) };
     if bits < 4096 { format!("{width}'d{bits}") } else { format!("{width}'h{bits:x}") }
+}
+
+/// The text without the parentheses that enclose all of it, if any do.
+pub fn unwrapped(text: &str) -> &str {
+    let inner = text.strip_prefix('(').and_then(|t| t.strip_suffix(')'));
+    let balanced = |text: &&str| {
+        let mut depth = 0i32;
+        text.chars().all(|c| {
+            depth += i32::from(c == '(') - i32::from(c == ')');
+            depth >= 0
+        })
+    };
+    inner.filter(balanced).unwrap_or(text)
 }

@@ -19,6 +19,7 @@
 pub mod around;
 pub mod finish;
 pub mod level;
+pub mod longitudinal;
 pub mod normals;
 pub mod render;
 pub mod schedule;

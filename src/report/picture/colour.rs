@@ -71,6 +71,24 @@ pub fn patch(depth: u8, number: u32) -> Vec3 {
     oklab(lightness + shade, a, b)
 }
 
+/// How many colours strips have.
+pub const STRIPS: usize = 7;
+
+/// The n-th colour of the strips: equally light, so that no strip stands out.
+pub fn strip(number: usize) -> Vec3 {
+    const HUES: [[f32; 2]; STRIPS] = [
+        [-0.045, -0.075],
+        [0.030, 0.100],
+        [0.095, 0.030],
+        [-0.085, 0.020],
+        [0.050, -0.070],
+        [-0.030, 0.085],
+        [0.000, 0.010],
+    ];
+    let [a, b] = HUES[number % STRIPS];
+    oklab(0.77, a, b)
+}
+
 /// Writes linear light as sRGB numbers, 0 to 255.
 pub struct Encoder {
     /// The sRGB number at the square of k/SIZE; the curve is almost straight over the square root.

@@ -24,7 +24,7 @@ struct Area {
 
 /// The part of the picture's width that a legend takes, at its right edge.
 pub fn share(scene: &Scene) -> f32 {
-    if matches!(scene.colouring, Colouring::Plain) { 0.0 } else { 0.11 }
+    if matches!(scene.colouring, Colouring::Plain | Colouring::Strips(_)) { 0.0 } else { 0.11 }
 }
 
 impl Legend {
@@ -32,7 +32,8 @@ impl Legend {
         let mut legend = Legend { text: Vec::new(), scale: None, swatches: Vec::new() };
         let letter = height / 72.0;
         match scene.colouring {
-            Colouring::Plain => {}
+            // The number of a strip says nothing.
+            Colouring::Plain | Colouring::Strips(_) => {}
             Colouring::Values { range, title, .. } => legend.add_scale(range, title, width, height, letter),
             Colouring::Patches(patches) => {
                 let depths: BTreeSet<u8> = patches.iter().map(|patch| patch.depth).collect();

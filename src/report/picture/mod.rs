@@ -28,6 +28,7 @@ mod arithmetic;
 mod camera;
 mod colour;
 mod floor;
+mod groups;
 mod legend;
 mod lettering;
 mod lines;
@@ -53,7 +54,10 @@ use legend::Legend;
 use lines::{Ink, Line};
 use raster::{Band, Corner, UNIT};
 use shade::Shader;
-use std::{collections::BTreeSet, ops::Range};
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    ops::Range,
+};
 use studio::{Bounce, Light, Studio};
 use surface::{Placement, Surface};
 
@@ -119,7 +123,12 @@ pub fn render(scene: &Scene, options: &Options) -> Result<Image> {
     let bands = Bands::new(&surface.triangles, &corners, options.height);
     let legend = Legend::new(scene, width, height);
     let overlays = overlays(scene, &legend, &control, &placement, &camera, height);
+    let strips = match scene.colouring {
+        Colouring::Strips(strips) => groups::colours(scene.triangles, strips),
+        _ => BTreeMap::new(),
+    };
     let shader = Shader {
+        strips: &strips,
         scene,
         finish: options.finish,
         surface: &surface,
@@ -198,9 +207,14 @@ fn overlays(
 ) -> Vec<(Vec<Line>, Ink)> {
     let pixel = height / 960.0;
     let mut overlays = Vec::new();
-    if let Colouring::Patches(patches) = scene.colouring {
+    let borders: Vec<[u32; 2]> = match scene.colouring {
+        Colouring::Patches(patches) => first(groups::borders(scene.triangles, patches)),
+        Colouring::Strips(strips) => first(groups::borders(scene.triangles, strips)),
+        Colouring::Plain | Colouring::Values { .. } => vec![],
+    };
+    if !borders.is_empty() {
         let place = |index: u32| camera.project(placement.point(scene.positions[index as usize]));
-        let borders = borders(scene.triangles, patches).into_iter();
+        let borders = borders.into_iter();
         let lines = borders.map(|edge| Line { ends: edge.map(place), radius: 0.55 * pixel }).collect();
         overlays.push((lines, Ink { colour: oklab(0.32, -0.01, -0.04), front: 0.55, behind: 0.0 }));
     }
@@ -216,15 +230,8 @@ fn overlays(
     overlays
 }
 
-/// The edges between different patches, each once.
-fn borders(triangles: &[[u32; 3]], patches: &[Patch]) -> Vec<[u32; 2]> {
-    let mut edges: Vec<([u32; 2], Patch)> = Vec::with_capacity(3 * triangles.len());
-    for (&[a, b, c], patch) in triangles.iter().zip(patches) {
-        edges.extend([[a, b], [b, c], [c, a]].map(|[from, to]| ([from.min(to), from.max(to)], *patch)));
-    }
-    edges.sort_unstable();
-    let differ = |pair: &&[([u32; 2], Patch)]| pair[0].0 == pair[1].0 && pair[0].1 != pair[1].1;
-    edges.windows(2).filter(differ).map(|pair| pair[0].0).collect()
+fn first<A, B>(pairs: Vec<(A, B)>) -> Vec<A> {
+    pairs.into_iter().map(|(a, _)| a).collect()
 }
 
 /// The triangles that touch each band, in the order of the scene.

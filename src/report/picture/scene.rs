@@ -40,6 +40,8 @@ pub enum Colouring<'a> {
     /// One patch for each triangle: the piecewise polynomial structure of a subdivision surface
     /// (Bischoff, Kobbelt, Seidel 2000, figure 6).
     Patches(&'a [Patch]),
+    /// The number of a strip for each triangle: strips beside each other get different colours.
+    Strips(&'a [u32]),
 }
 
 /// The polynomial patch that a triangle of the fine mesh belongs to.
@@ -137,6 +139,9 @@ impl Scene<'_> {
             }
             Colouring::Patches(patches) => {
                 same_length("patches", patches.len(), "triangles", self.triangles.len())
+            }
+            Colouring::Strips(strips) => {
+                same_length("strips", strips.len(), "triangles", self.triangles.len())
             }
         }
     }

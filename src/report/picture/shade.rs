@@ -11,6 +11,7 @@ use super::{
     surface::Surface,
 };
 use glam::Vec3;
+use std::collections::BTreeMap;
 
 pub struct Shader<'a> {
     pub scene: &'a Scene<'a>,
@@ -22,6 +23,8 @@ pub struct Shader<'a> {
     /// For each vertex what reaches its outside, and its inside where that can be seen.
     pub outside: &'a [Light],
     pub inside: &'a [Light],
+    /// The colour of each strip, where strips are shown.
+    pub strips: &'a BTreeMap<u32, usize>,
 }
 
 /// The surface at one sample.
@@ -105,6 +108,11 @@ impl Shader<'_> {
                 let outside = colour::patch(patch.depth, patch.number);
                 if front { outside } else { outside.lerp(inside, 0.5) }
             }
+            Colouring::Strips(strips) => {
+                let strip = strips[number as usize / self.surface.parts];
+                let outside = colour::strip(self.strips.get(&strip).copied().unwrap_or(0));
+                if front { outside } else { outside.lerp(inside, 0.5) }
+            }
         }
     }
 
@@ -113,7 +121,7 @@ impl Shader<'_> {
         let (contrast, gloss) = match self.scene.colouring {
             Colouring::Plain => (1.0, 1.0),
             Colouring::Values { .. } => (0.5, 0.12),
-            Colouring::Patches(_) => (0.85, 0.6),
+            Colouring::Patches(_) | Colouring::Strips(_) => (0.85, 0.6),
         };
         let diffuse = Vec3::splat(0.86).lerp(spot.light.diffuse, contrast);
         let cosine = spot.normal.dot(spot.to_eye);

@@ -102,7 +102,22 @@ fn patches_are_told_apart_and_their_borders_drawn() {
     let green = |[red, green, blue]: [i32; 3]| green > red + 25 && green > blue + 25;
     let coloured = count(&image, green);
     assert!((800..5000).contains(&coloured), "{coloured}");
-    assert_eq!(borders(&mesh.1, &patches).len(), 24 * 24);
+    assert_eq!(groups::borders(&mesh.1, &patches).len(), 24 * 24);
+}
+
+#[test]
+fn strips_have_colours_of_their_own_and_no_legend() {
+    let mesh = torus(24);
+    // Bands of four squares around the tube.
+    let strips: Vec<u32> = (0..mesh.1.len() as u32).map(|k| k / 48 / 4).collect();
+    let image = render(&Scene { colouring: Colouring::Strips(&strips), ..scene(&mesh) }, &small()).unwrap();
+    let one =
+        render(&Scene { colouring: Colouring::Strips(&vec![3; strips.len()]), ..scene(&mesh) }, &small());
+    let warm = |[red, _, blue]: [i32; 3]| red > blue + 40;
+    let cold = |[red, _, blue]: [i32; 3]| blue > red + 25;
+    assert!(count(&image, warm) > 300 && count(&image, cold) > 300);
+    assert_eq!(count(&one.unwrap(), warm) + count(&image, |[r, g, b]| r.max(g).max(b) < 5), 0);
+    assert_eq!(groups::borders(&mesh.1, &strips).len(), 6 * 24);
 }
 
 #[test]

@@ -25,6 +25,7 @@ pub mod masks;
 pub mod normal_oracle;
 pub mod numbers;
 pub mod oracle;
+pub mod patches;
 pub mod quad_mesh;
 mod refinement;
 pub mod repeat;
