@@ -108,9 +108,14 @@ pub struct Stage {
 
 impl Stage {
     pub fn new(case: Case) -> Self {
+        Self::of(case, Flat::new(&module(case.parameters()).0).unwrap())
+    }
+
+    /// A stage whose design has been tampered with.
+    pub fn of(case: Case, flat: Flat) -> Self {
         let parameters = case.parameters();
-        let (module, latency) = module(parameters);
-        let mut simulator = Simulator::new(Flat::new(&module).unwrap(), Integers);
+        let latency = module(parameters).1;
+        let mut simulator = Simulator::new(flat, Integers);
         simulator.scramble(7);
         Stage { case, parameters, reference: case.reference(), simulator, latency, random: Random(5) }
     }
@@ -142,7 +147,10 @@ impl Stage {
         };
         match found {
             Some(point) => point[axis] << shift,
-            None => i128::from(self.random.coordinate(self.case.width)),
+            None => {
+                let noise = i128::from(self.random.coordinate(self.case.width));
+                noise << numbers.fraction(self.case.levels[1])
+            }
         }
     }
 
@@ -174,7 +182,8 @@ impl Stage {
         self.simulator.settle();
     }
 
-    fn check(&self, expected: &OutputColumn) {
+    /// The first result that differs.
+    fn difference(&self, expected: &OutputColumn) -> Option<String> {
         let output = |what: &str, row: usize, axis: &str| {
             let id = self.simulator.flat.output(&format!("{what}_{row}_{axis}_out"));
             *self.simulator.get(id.unwrap()) as i64
@@ -183,33 +192,43 @@ impl Stage {
         for (what, rows) in [("position", &expected.vertices), ("normal", &expected.normals)] {
             for (row, vector) in rows.iter().enumerate() {
                 let found = finish::AXES.map(|axis| output(what, row, axis));
-                assert_eq!(found, *vector, "{:?}: {what} of row {row}", self.case);
+                if found != *vector {
+                    let case = self.case;
+                    return Some(format!("{what} of row {row}: {found:?} for {vector:?} in {case:?}"));
+                }
             }
         }
+        None
     }
 
-    /// Windows of one level through the stage, one a clock but for stalls; returns how many were compared.
-    pub fn run(&mut self, level: u32, windows: &[[LevelColumn; 3]]) -> usize {
+    /// Windows of one level through the stage; the first result that differs.
+    pub fn run(&mut self, level: u32, windows: &[[LevelColumn; 3]]) -> Result<(), String> {
+        self.run_levels(&windows.iter().map(|window| (level, window)).collect::<Vec<_>>())
+    }
+
+    /// Windows with their levels through the stage, one a clock but for stalls; the first result that differs.
+    pub fn run_levels(&mut self, windows: &[(u32, &[LevelColumn; 3])]) -> Result<(), String> {
         let mut expected: Vec<OutputColumn> = vec![];
         let mut next = 0;
         while next < windows.len() + self.latency as usize {
             // Nothing moves in a stall, whatever is offered.
-            let window = &windows[next.min(windows.len() - 1)];
-            let [previous, column, after] = window;
+            let stalled = self.random.below(4) == 0;
+            let at = if stalled { self.random.below(windows.len()) } else { next.min(windows.len() - 1) };
+            let (level, [previous, column, after]) = windows[at];
             let three = Three { previous: Some(previous), column, next: Some(after) };
             self.offer(&three, level);
-            let stalled = self.random.below(4) == 0;
             self.advance(!stalled);
-            if stalled {
-                continue;
+            if !stalled {
+                expected.push(self.reference.finish(level, next, three));
+                next += 1;
             }
-            expected.push(self.reference.finish(level, next, three));
-            next += 1;
-            if next >= self.latency as usize {
-                self.check(&expected[next - self.latency as usize]);
+            if let Some(expected) = next.checked_sub(self.latency as usize).and_then(|at| expected.get(at))
+                && let Some(difference) = self.difference(expected)
+            {
+                return Err(difference);
             }
         }
-        windows.len()
+        Ok(())
     }
 }
 
@@ -235,12 +254,20 @@ pub fn windows(reference: &CcStrip, mesh: &QuadMesh, level: u32) -> Vec<[LevelCo
 /// A window of random, often extreme, points around ends of any valence.
 pub fn random_window(case: &Case, level: u32, random: &mut Random) -> [LevelColumn; 3] {
     let shift = case.numbers.fraction(level);
+    let fine = (1 << shift) - 1;
+    // Far apart, or so close that normals are small; where carries run far, or not.
+    let (near, ones) = (random.below(3) == 0, random.below(3) == 0);
+    let reach = random.below(shift as usize + case.width as usize - 1);
+    let base = [0; 3].map(|_: i128| i128::from(random.coordinate(case.width)) << shift);
     let point = |random: &mut Random| {
-        [0; 3].map(|_: i128| {
-            let low = (random.bits() >> 1) as i128 & ((1 << shift) - 1);
-            let high = i128::from(random.coordinate(case.width));
+        [0, 1, 2].map(|axis| {
+            let low = (random.bits() >> 1) as i128 & fine;
+            let low = if ones { fine ^ (low & -(low & 1)) & 7 } else { low };
+            let high = i128::from(random.coordinate(case.width)) << shift;
+            let close = base[axis] + (random.bits() as i128 & ((1 << reach) - 1));
+            let wanted = if near { close } else { high + low };
             // The largest number of the format is that of the input: the hull never grows.
-            ((high << shift) + low).min(((1 << (case.width - 1)) - 1) << shift)
+            wanted.min(((1 << (case.width - 1)) - 1) << shift)
         })
     };
     let valences = [0; 2].map(|_: u32| 3 + random.below(case.max_valence as usize - 2) as u32);

@@ -121,6 +121,8 @@ struct Window {
     last: usize,
     columns: [Vec<Mask>; 3],
     ends: [Ring; 2],
+    /// What stands in places of the fans that the valence has not: no result has it.
+    spare: Mask,
 }
 
 /// What lies around an end vertex, counterclockwise from its neighbour in the column: neighbours, and the diagonals
@@ -151,7 +153,8 @@ impl Window {
             diagonals.push(columns[second][inner].clone());
             Ring { neighbours, diagonals }
         });
-        Window { last, columns, ends }
+        let spare = variable();
+        Window { last, columns, ends, spare }
     }
 
     /// The value of an input port; nothing where the unit must not look.
@@ -173,13 +176,13 @@ impl Window {
             ("before", _) => ring.diagonals.get(at(1, d - 1)),
             ("after", _) => ring.diagonals.get(at(d - 2, d - 1)),
             ("a", i) => {
-                let i = i.parse::<usize>().ok().filter(|i| i + 3 <= d)?;
-                ring.neighbours.get(at(i + 1, d))
+                let i = i.parse::<usize>().ok()?;
+                if i + 3 > d { Some(&self.spare) } else { ring.neighbours.get(at(i + 1, d)) }
             }
             ("x", i) => {
                 // x_{d-2} belongs to the next column.
-                let i = i.parse::<usize>().ok().filter(|i| i + 2 < d)?;
-                ring.diagonals.get(at(i, d - 1))
+                let i = i.parse::<usize>().ok()?;
+                if i + 2 >= d { Some(&self.spare) } else { ring.diagonals.get(at(i, d - 1)) }
             }
             _ => None,
         }

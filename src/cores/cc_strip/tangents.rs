@@ -22,7 +22,7 @@ use super::fan::End;
 use super::finish::{Parameters, stage};
 use super::view::EndView;
 use crate::fixed::{Range, Rounding};
-use crate::hdl::{Builder, Relation, Signal, Sum, Word};
+use crate::hdl::{Builder, Signal, Sum, Word};
 
 /// Fraction bits of the weights.
 pub const WEIGHT_BITS: u32 = 16;
@@ -70,10 +70,11 @@ pub fn tangents(m: &Builder, p: Parameters, end: End, view: &EndView, advance: &
         let entries: Vec<i128> = weights.iter().map(|(d, weights)| of(*d, weights)).collect();
         let range = entries.iter().fold(Range::point(0), |range, &w| range.union(Range::point(w)));
         let entry = |w: i128| m.constant(w, range.into());
-        let chosen =
-            weights.iter().zip(&entries).skip(1).fold(m.signal(entry(entries[0])), |chosen, ((d, _), &w)| {
-                m.select(&m.is(valence, (*d).into()), entry(w), &chosen)
-            });
+        // Nothing where the valence has no such vertex.
+        let present = weights.iter().zip(&entries).filter(|(_, entry)| **entry != 0);
+        let chosen = present.fold(m.signal(entry(0)), |chosen, ((d, _), &w)| {
+            m.select(&m.is(valence, (*d).into()), entry(w), &chosen)
+        });
         stage(m, advance, name(&format!("weight_{what}")), &chosen)
     };
     let centre = stage(m, advance, name("inner_kept"), &view.inner[1]);
@@ -118,7 +119,8 @@ pub fn tangents(m: &Builder, p: Parameters, end: End, view: &EndView, advance: &
     })
 }
 
-/// The vertices around an end in pairs; what the valence has not is zero, and so is the partner of the one in the middle.
+/// The vertices around an end in pairs. The partner of the one in the middle is zero; those that the valence has not
+/// have no weight.
 struct Mirrored<'a> {
     m: &'a Builder,
     p: Parameters,
@@ -131,11 +133,9 @@ impl Mirrored<'_> {
         self.m.constant(0, Word { range: Range::point(0), ..word })
     }
 
-    /// The signal where the valence is d at least.
-    fn from(&self, d: usize, signal: &Signal) -> Signal {
-        let valence = &self.view.valence;
-        let least = self.m.constant(d as i128, valence.word());
-        self.m.select(&self.m.compare(Relation::LessOrEqual, least, valence), signal, self.zero())
+    /// Of valence 3 there is one face outside, in the middle.
+    fn unless_three(&self, signal: &Signal) -> Signal {
+        self.m.select(&self.m.is(&self.view.valence, 3), self.zero(), signal)
     }
 
     /// The partner that each valence from `first` on has.
@@ -151,7 +151,7 @@ impl Mirrored<'_> {
         let a = &self.view.neighbours;
         match j {
             0 => [left.clone(), right.clone()],
-            _ => [self.from(2 * j + 2, &a[j - 1]), self.partner(2 * j + 3, |d| a[d - 3 - j].clone())],
+            _ => [a[j - 1].clone(), self.partner(2 * j + 3, |d| a[d - 3 - j].clone())],
         }
     }
 
@@ -161,8 +161,8 @@ impl Mirrored<'_> {
         let x = &self.view.diagonals;
         match j {
             0 => [left.clone(), right.clone()],
-            1 => [self.view.before.clone(), self.from(4, &self.view.after)],
-            _ => [self.from(2 * j + 1, &x[j - 2]), self.partner(2 * j + 2, |d| x[d - 3 - j].clone())],
+            1 => [self.view.before.clone(), self.unless_three(&self.view.after)],
+            _ => [x[j - 2].clone(), self.partner(2 * j + 2, |d| x[d - 3 - j].clone())],
         }
     }
 }

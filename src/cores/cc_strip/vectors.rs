@@ -198,12 +198,19 @@ fn fan_of(m: &Builder, p: Parameters, end: End, view: &EndView) -> Vec<Pair> {
         };
         let before = if i == 1 { left } else { &view.neighbours[index - 2] };
         let spoke = m.signal(&x - centre);
-        let present = m.compare(Relation::LessOrEqual, constant(i + 2), valence);
+        // There is always one face.
+        let spoke = match i {
+            1 => spoke,
+            _ => {
+                let present = m.compare(Relation::LessOrEqual, constant(i + 2), valence);
+                m.select(&present, &spoke, nothing(m, &spoke))
+            }
+        };
         let around = match end {
             End::Top => m.signal(before - &a),
             End::Bottom => m.signal(&a - before),
         };
-        pairs.push((fan(end, i), [m.select(&present, &spoke, nothing(m, &spoke)), around]));
+        pairs.push((fan(end, i), [spoke, around]));
     }
     pairs
 }
