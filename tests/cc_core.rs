@@ -1,126 +1,120 @@
-//! The core `cc-strip` in the built-in simulator: every strip of a mesh, bit for bit against the reference,
-//! and the whole against global refinement.
+//! The core `cc-strip` in the built-in simulator: every schedule, folded or not, whole columns and slices, at
+//! every level that it can be asked for; every bit against the reference, the whole against global refinement.
+
+use std::rc::Rc;
 
 use subdiv_rtl::cores::cc_strip::proof::prove;
-use subdiv_rtl::cores::cc_strip::{Parameters, Precision, build};
-use subdiv_rtl::cosim::strip_bench::words;
-use subdiv_rtl::cosim::{Clocked, Model, device};
+use subdiv_rtl::cores::cc_strip::{Parameters, Precision, Schedule, build, stored_vertices};
+use subdiv_rtl::cosim::strip_bench::StripBench;
+use subdiv_rtl::cosim::{Builtin, Model, Simulator, Stall, Stimulus, device};
 use subdiv_rtl::fixed::Format;
+use subdiv_rtl::hdl::Module;
 use subdiv_rtl::mesh::{quantise, shape};
-use subdiv_rtl::model::cc_strip::{self as reference, CcStrip};
-use subdiv_rtl::surface::catmull_clark::assembly::QuadAssembly;
-use subdiv_rtl::surface::catmull_clark::fine_grid::QuadGrid;
-use subdiv_rtl::surface::catmull_clark::numbers::Numbers;
 use subdiv_rtl::surface::catmull_clark::oracle::{QuadOracle, Target};
 use subdiv_rtl::surface::catmull_clark::quad_mesh::QuadMesh;
 use subdiv_rtl::surface::catmull_clark::rings::{Boundary, Rings};
-use subdiv_rtl::surface::catmull_clark::strips::records::records;
-use subdiv_rtl::surface::catmull_clark::strips::{Method, cut};
 
-fn quads(name: &str, format: Format) -> QuadMesh {
-    let mesh = quantise(&shape(name).unwrap(), format).unwrap();
+const FORMAT: Format = Format { integer: 4, fraction: 12 };
+
+fn quads(name: &str) -> QuadMesh {
+    let mesh = quantise(&shape(name).unwrap(), FORMAT).unwrap();
     let quads = mesh.faces.iter().map(|f| [f[0], f[1], f[2], f[3]]).collect();
     QuadMesh::new(mesh.positions, quads).unwrap()
 }
 
-/// Every strip through the core; returns the largest error, the cracks, the missing vertices, and the clocks
-/// and columns of the longest strip.
-fn run(name: &str, levels: u32, precision: Precision) -> (f64, usize, usize, u64, u64) {
-    let format = Format { integer: 4, fraction: 12 };
-    let mesh = quads(name, format);
-    let rings = Rings::new(&mesh, Boundary::Ghosts).unwrap();
-    let parameters = Parameters {
-        coordinates: format,
-        output_fraction: 12,
-        levels,
-        max_valence: 10,
-        precision,
-        table_bits: 36,
-    };
-    let core = build(parameters).unwrap();
-    let dut = device(&core, &[], None);
-    let reference = CcStrip::new(reference::Parameters {
-        width: format.width(),
-        max_valence: 10,
-        table_bits: parameters.table_bits,
-        numbers: match precision {
-            Precision::Exact => Numbers::Exact,
-            Precision::Guard(bits) => Numbers::Guard(bits),
-        },
-        ..reference::Parameters::exact(format.width())
-    })
-    .unwrap();
-    let grid = QuadGrid::new(&mesh, levels).unwrap();
-    let oracle = QuadOracle::new(&mesh, levels, Boundary::Ghosts.corners()).unwrap();
-    let mut assembly = QuadAssembly::new(QuadGrid::new(&mesh, levels).unwrap());
-    let mut model = Model::new(&core).unwrap();
-    let (mut clocks, mut columns) = (0, 0);
-    model.reset();
-    for strip in cut(&mesh, Method::Natural) {
-        let numbers = records(&mesh, &rings, &strip);
-        let strip_words = words(&dut.input, &numbers.map(|&v| rings.positions()[v as usize])).unwrap();
-        let expected = reference.columns(levels, &numbers.map(|&v| rings.positions()[v as usize])).unwrap();
-        let mut waiting = strip_words.iter().peekable();
-        let fine = (strip.len() << levels) + 1;
-        let (mut column, mut clock) = (0, 0);
-        while column < fine {
-            let seen = model.clock(waiting.peek().copied(), true);
-            if seen.input_ready {
-                waiting.next();
-            }
-            if let Some(beat) = seen.output {
-                for row in 0..=1usize << levels {
-                    let position = [0, 1, 2].map(|axis| dut.output.number(&beat, 3 * row + axis) as i64);
-                    assert_eq!(
-                        position, expected[column].vertices[row],
-                        "{name}: column {column}, row {row}"
-                    );
-                    assembly.put(strip.fine_vertex(&grid, column, row), position);
-                }
-                column += 1;
-                assert_eq!(beat.last, column == fine, "{name}");
-            }
-            clock += 1;
-            assert!(clock < 100_000, "{name}: only {column} of {fine} columns came out");
-        }
-        if strip.len() as u64 > columns {
-            (clocks, columns) = (clock, strip.len() as u64);
+fn exact(levels: u32) -> Parameters {
+    Parameters::exact(FORMAT, levels, 10)
+}
+
+/// Every schedule, folded or not, in whole columns and in slices.
+fn variants(levels: u32) -> Vec<Parameters> {
+    let mut all = vec![];
+    for (schedule, folded) in [
+        (Schedule::Shared, false),
+        (Schedule::Pipelined, false),
+        (Schedule::Pipelined, true),
+        (Schedule::Double, false),
+        (Schedule::Double, true),
+    ] {
+        all.push(Parameters { schedule, folded, ..exact(levels) });
+        let rows: Vec<u32> = [2, 4, 8].into_iter().filter(|rows| *rows <= 1 << levels).collect();
+        if schedule != Schedule::Double {
+            all.extend(rows.into_iter().map(|r| Parameters {
+                schedule,
+                folded,
+                rows_per_clock: Some(r),
+                ..exact(levels)
+            }));
         }
     }
-    let error = oracle.error(&assembly.positions().unwrap(), Target::Refined, 0).unwrap().max;
-    (error, assembly.cracks(), assembly.missing(), clocks, columns)
+    all
+}
+
+/// A mesh through a core at a level: no bit differs, nothing is missing, the error is that of the format.
+fn run(core: &Rc<Module>, parameters: Parameters, name: &str, level: u32, stalls: [Stall; 2]) -> u64 {
+    let what = format!("{name} level {level} {parameters:?} {stalls:?}");
+    let mesh = quads(name);
+    let rings = Rings::new(&mesh, Boundary::Ghosts).unwrap();
+    let bench = StripBench::new(core, parameters, level, &mesh, &rings).unwrap();
+    let mut stimulus = Stimulus::new(bench.input.clone(), bench.expected.clone());
+    [stimulus.gaps, stimulus.back_pressure] = stalls;
+    stimulus.expected_clocks = Some(bench.clocks(&stimulus));
+    let outcome = Builtin::new(|| Model::new(core)).run(&device(core, &[], None), &stimulus).unwrap();
+    let located = outcome.error(&|beat| bench.locate(beat));
+    assert!(outcome.passed(), "{what}: {located:?}");
+    let drawn = bench.assemble(&mesh, &outcome.received).unwrap();
+    assert_eq!((drawn.cracks(), drawn.missing()), (0, 0), "{what}");
+    let oracle = QuadOracle::new(&mesh, level, Boundary::Ghosts.corners()).unwrap();
+    let error = oracle.error(&drawn.positions().unwrap(), Target::Refined, 0).unwrap().max;
+    assert!(error <= 0.5625, "{what}: {error}");
+    outcome.clocks
 }
 
 #[test]
 fn every_level_is_proved_for_every_valence() {
-    for precision in [Precision::Exact, Precision::Guard(4)] {
-        let format = Format { integer: 12, fraction: 12 };
-        let parameters = Parameters {
-            coordinates: format,
-            output_fraction: 12,
-            levels: 4,
-            max_valence: 10,
-            precision,
-            table_bits: 37,
-        };
-        let proof = prove(parameters).unwrap();
-        assert_eq!((proof.levels, proof.max_valence), (4, 10));
-        assert!(proof.vertices > 1000 && proof.claims > 50, "{proof:?}");
+    for parameters in variants(4) {
+        for precision in [Precision::Exact, Precision::Guard(4)] {
+            let proof = prove(Parameters { precision, ..parameters }).unwrap();
+            assert_eq!((proof.levels, proof.max_valence), (4, 10));
+            assert!(proof.vertices > 1000 && proof.claims > 8, "{parameters:?}: {proof:?}");
+        }
     }
 }
 
 #[test]
-fn every_strip_of_every_shape_is_the_global_mesh() {
-    for name in ["cube-quads", "torus-quads", "double-torus-quads", "blob-quads", "square-quads"] {
-        for levels in 1..=4 {
-            for precision in [Precision::Exact, Precision::Guard(5)] {
-                let (error, cracks, missing, clocks, columns) = run(name, levels, precision);
-                println!(
-                    "{name} level {levels} {precision:?}: error {error}, {clocks} clocks for {columns} quads"
-                );
-                assert_eq!((cracks, missing), (0, 0), "{name} {levels}");
-                assert!(error <= 0.5625, "{name} {levels} {precision:?}: {error}");
-            }
+fn every_variant_draws_the_global_mesh_at_every_level() {
+    for parameters in variants(3) {
+        let core = build(parameters).unwrap();
+        for level in 1..=3 {
+            run(&core, parameters, "blob-quads", level, [Stall::None; 2]);
+            run(&core, parameters, "cube-quads", level, ["bursts", "random:40"].map(|s| s.parse().unwrap()));
         }
     }
+}
+
+#[test]
+fn guard_bits_in_every_schedule() {
+    for parameters in variants(4).into_iter().filter(|p| p.rows_per_clock.is_none_or(|rows| rows == 4)) {
+        let parameters = Parameters { precision: Precision::Guard(5), ..parameters };
+        let core = build(parameters).unwrap();
+        run(&core, parameters, "blob-quads", 4, [Stall::None; 2]);
+        run(&core, parameters, "square-quads", 2, [Stall::None, "one-in-3".parse().unwrap()]);
+    }
+}
+
+#[test]
+fn every_shape_through_the_usual_core() {
+    let core = build(exact(4)).unwrap();
+    for name in ["cube-quads", "torus-quads", "double-torus-quads", "blob-quads", "square-quads"] {
+        for level in 1..=4 {
+            run(&core, exact(4), name, level, [Stall::None; 2]);
+        }
+    }
+}
+
+#[test]
+fn storage_at_five_levels_and_valence_ten() {
+    let core = build(exact(5)).unwrap();
+    let stored = stored_vertices(&core, exact(5)).unwrap();
+    assert_eq!(stored, 335, "of at most 315 + 30");
 }

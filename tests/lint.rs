@@ -4,7 +4,7 @@
 use std::path::Path;
 use std::process::Command;
 
-use subdiv_rtl::cores::cc_strip::{self, Precision};
+use subdiv_rtl::cores::cc_strip::{self, Precision, Schedule};
 use subdiv_rtl::cores::loop_fd::{Parameters, RegisterForm};
 use subdiv_rtl::hdl::{Word, verilog};
 use subdiv_rtl::package;
@@ -67,15 +67,26 @@ fn loop_fd_is_silent() {
 #[test]
 fn cc_strip_is_silent() {
     let cases = [
-        ("Q12.12", 12, 1, 4, Precision::Exact, 37),
-        ("Q4.8", 8, 2, 6, Precision::Exact, 25),
-        ("Q4.8", 6, 3, 5, Precision::Guard(0), 20),
-        ("Q2.14", 14, 3, 10, Precision::Guard(4), 29),
+        ("Q12.12", 12, 1, 4, Precision::Exact, 37, Schedule::Pipelined, false, None),
+        ("Q4.8", 8, 2, 6, Precision::Exact, 25, Schedule::Shared, false, None),
+        ("Q4.8", 6, 3, 5, Precision::Guard(0), 20, Schedule::Double, true, None),
+        ("Q2.14", 14, 3, 10, Precision::Guard(4), 29, Schedule::Pipelined, true, None),
+        ("Q4.8", 8, 3, 5, Precision::Exact, 25, Schedule::Shared, false, Some(2)),
+        ("Q4.8", 8, 3, 4, Precision::Guard(3), 25, Schedule::Pipelined, false, Some(4)),
     ];
-    for (coordinates, output_fraction, levels, max_valence, precision, table_bits) in cases {
+    for (coordinates, output_fraction, levels, max_valence, precision, table_bits, schedule, folded, rows) in
+        cases
+    {
         let coordinates = coordinates.parse().expect("a format");
-        let parameters =
-            cc_strip::Parameters { coordinates, output_fraction, levels, max_valence, precision, table_bits };
+        let parameters = cc_strip::Parameters {
+            output_fraction,
+            precision,
+            table_bits,
+            schedule,
+            folded,
+            rows_per_clock: rows,
+            ..cc_strip::Parameters::exact(coordinates, levels, max_valence)
+        };
         let what = format!("{parameters:?}");
         check(&package::cc_strip::package(parameters, true).expect(&what), &what);
     }

@@ -20,6 +20,7 @@ pub mod progress;
 pub mod report;
 pub mod shapes;
 pub mod simulate;
+pub mod strip_options;
 pub mod values;
 
 use crate::error::{Kind, Result};

@@ -29,7 +29,8 @@ pub fn port(core: &Module, stream: &str, direction: Direction) -> Port {
             Direction::Input => core.input(&name).map(|i| core.inputs[i]),
             Direction::Output => core.output(&name).map(|i| core.outputs[i].node),
         };
-        node.map_or(0, |id| core.node(id).word.width())
+        let bus = core.buses.iter().find(|b| b.name == name && b.direction == direction);
+        bus.map_or(node.map_or(0, |id| core.node(id).word.width()), |bus| bus.width)
     };
     let data = format!("{stream}_tdata");
     let lanes = core.buses.iter().filter(|b| b.name == data).flat_map(|bus| {
@@ -66,7 +67,8 @@ pub struct Model {
 /// The nodes of a stream's signals.
 struct StreamNodes {
     lanes: Vec<NodeId>,
-    keep: Option<NodeId>,
+    /// With the lowest of its bits.
+    keep: Vec<(NodeId, u32)>,
     user: Option<NodeId>,
     last: Option<NodeId>,
     valid: NodeId,
@@ -90,7 +92,15 @@ impl Model {
             });
             Ok(StreamNodes {
                 lanes: lanes.collect::<Result<_>>()?,
-                keep: signal("tkeep"),
+                keep: match core.buses.iter().find(|b| b.name == format!("{stream}_tkeep")) {
+                    Some(bus) => bus
+                        .lanes
+                        .iter()
+                        .map(|lane| (core.outputs[lane.port].name.clone(), lane.low))
+                        .filter_map(|(name, low)| Some((find(&name)?, low)))
+                        .collect(),
+                    None => signal("tkeep").map(|node| (node, 0)).into_iter().collect(),
+                },
                 user: signal("tuser"),
                 last: signal("tlast"),
                 valid: signal("tvalid").ok_or_else(|| missing("tvalid"))?,
@@ -140,9 +150,21 @@ impl Model {
         let value = |node: Option<NodeId>| node.map_or(0, |id| *self.simulator.get(id));
         let numbers: Vec<i128> = self.output.lanes.iter().map(|&id| *self.simulator.get(id)).collect();
         let mut beat = self.shapes[1].beat_of(&numbers);
-        let keep = value(self.output.keep) as u128;
-        for (index, word) in beat.keep.iter_mut().enumerate() {
-            *word = (keep >> (64 * index)) as u64;
+        beat.keep.fill(0);
+        for &(node, low) in &self.output.keep {
+            let bits = *self.simulator.get(node) as u128;
+            let (word, shift) = (low as usize / 64, low % 64);
+            // A lane's bits lie in at most three words.
+            let pieces = [
+                bits << shift,
+                bits.checked_shr(64 - shift).unwrap_or(0),
+                bits.checked_shr(128 - shift).unwrap_or(0),
+            ];
+            for (index, piece) in pieces.into_iter().enumerate() {
+                if let Some(word) = beat.keep.get_mut(word + index) {
+                    *word |= piece as u64;
+                }
+            }
         }
         beat.user = value(self.output.user) as u64;
         beat.last = value(self.output.last) != 0;

@@ -64,6 +64,7 @@ mod process;
 mod settings;
 mod stall;
 pub mod strip_bench;
+pub mod strip_lanes;
 mod testbench;
 mod tools;
 mod vectors;

@@ -8,11 +8,13 @@
 use std::rc::Rc;
 
 use super::core::port;
-use crate::cores::cc_strip::{Parameters, Precision, Role};
-use crate::cosim::{Beat, Port};
+use super::strip_lanes::Lanes;
+use crate::cores::cc_strip::{Parameters, Precision, Role, Schedule};
+use crate::cosim::{Beat, Port, Stimulus};
 use crate::error::{Error, Result};
 use crate::hdl::{Direction, Module};
 use crate::model::cc_strip::{self as reference, CcStrip};
+use crate::model::cc_strip_clocks;
 use crate::surface::catmull_clark::assembly::QuadAssembly;
 use crate::surface::catmull_clark::fine_grid::QuadGrid;
 use crate::surface::catmull_clark::numbers::Numbers;
@@ -31,8 +33,13 @@ pub struct StripBench {
     pub expected: Vec<Beat>,
     pub statistics: Statistics,
     strips: Vec<Strip>,
-    levels: u32,
+    /// How often the strips are subdivided.
+    level: u32,
+    lanes: Lanes,
     output: Port,
+    /// The strips as the protocol sees them.
+    traffic: Vec<cc_strip_clocks::Strip>,
+    core: cc_strip_clocks::Core,
 }
 
 impl StripBench {
@@ -41,6 +48,7 @@ impl StripBench {
     pub fn new(
         core: &Rc<Module>,
         parameters: Parameters,
+        level: u32,
         mesh: &QuadMesh,
         rings: &Rings,
     ) -> Result<StripBench> {
@@ -55,26 +63,28 @@ impl StripBench {
             expected: vec![],
             statistics,
             strips,
-            levels: parameters.levels,
+            level,
+            lanes: Lanes::new(parameters, level),
             output,
+            traffic: vec![],
+            core: protocol(parameters),
         };
         for strip in numbers {
             let strip = strip.map(|&vertex| rings.positions()[vertex as usize]);
-            let words = words(&input, &strip).ok_or_else(|| {
+            let words = words(&input, level, &strip).ok_or_else(|| {
                 Error::input("a strip ends at a boundary where no ghosts can stand")
                     .help("the core needs a column beyond each end of a strip")
             })?;
+            bench.traffic.push(traffic(level, &words));
             bench.input.extend(words);
-            let columns = reference.columns(parameters.levels, &strip)?;
-            let last = columns.len();
-            for (index, column) in columns.into_iter().enumerate() {
-                let numbers: Vec<i128> = column.vertices.as_flattened().iter().map(|&x| x.into()).collect();
-                let mut beat = bench.output.beat_of(&numbers);
-                beat.last = index + 1 == last;
-                bench.expected.push(beat);
-            }
+            bench.expected.extend(bench.lanes.beats(&bench.output, &reference.columns(level, &strip)?));
         }
         Ok(bench)
+    }
+
+    /// The clocks the core must take under the stalls of a stimulus.
+    pub fn clocks(&self, stimulus: &Stimulus) -> u64 {
+        cc_strip_clocks::run(self.core, &self.traffic, &stimulus.offer_pattern(), &stimulus.ready_pattern())
     }
 
     /// The strips that the mesh was cut into.
@@ -84,13 +94,14 @@ impl StripBench {
 
     /// An output beat in the user's terms.
     pub fn locate(&self, beat: u64) -> String {
-        let mut column = beat;
+        let mut rest = beat;
         for (index, strip) in self.strips.iter().enumerate() {
-            let columns = ((strip.len() as u64) << self.levels) + 1;
-            if column < columns {
-                return format!("strip {index}, column {column}");
+            let beats = self.lanes.beats_of((strip.len() << self.level) + 1) as u64;
+            if rest < beats {
+                let (column, row) = self.lanes.first(rest as usize);
+                return format!("strip {index}, column {column}, from row {row}");
             }
-            column -= columns;
+            rest -= beats;
         }
         format!("beat {beat}")
     }
@@ -100,20 +111,45 @@ impl StripBench {
     /// # Errors
     /// A level that is too fine for any mesh.
     pub fn assemble<'a>(&self, mesh: &'a QuadMesh, received: &[(u64, Beat)]) -> Result<QuadAssembly<'a>> {
-        let grid = QuadGrid::new(mesh, self.levels)?;
-        let mut assembly = QuadAssembly::new(QuadGrid::new(mesh, self.levels)?);
+        let grid = QuadGrid::new(mesh, self.level)?;
+        let mut assembly = QuadAssembly::new(QuadGrid::new(mesh, self.level)?);
         let mut beats = received.iter().map(|(_, beat)| beat);
         for strip in &self.strips {
-            for column in 0..=strip.len() << self.levels {
+            let columns = (strip.len() << self.level) + 1;
+            for index in 0..self.lanes.beats_of(columns) {
                 let Some(beat) = beats.next() else { return Ok(assembly) };
-                for row in 0..=1usize << self.levels {
-                    let position = [0, 1, 2].map(|axis| self.output.number(beat, 3 * row + axis) as i64);
+                for (lane, column, row) in self.lanes.places(index, columns) {
+                    let position = [0, 1, 2].map(|axis| self.output.number(beat, 3 * lane + axis) as i64);
                     assembly.put(strip.fine_vertex(&grid, column, row), position);
                 }
             }
         }
         Ok(assembly)
     }
+}
+
+/// The core as its protocol sees it.
+pub fn protocol(parameters: Parameters) -> cc_strip_clocks::Core {
+    cc_strip_clocks::Core {
+        levels: parameters.levels,
+        schedule: match parameters.schedule {
+            Schedule::Shared => reference::schedule::Schedule::Shared,
+            Schedule::Pipelined => reference::schedule::Schedule::Pipelined,
+            Schedule::Double => reference::schedule::Schedule::Double,
+        },
+        folded: parameters.folded,
+        rows_per_clock: parameters.rows_per_clock,
+        finish: None,
+    }
+}
+
+/// The words of a strip, column by column.
+fn traffic(level: u32, words: &[Beat]) -> cc_strip_clocks::Strip {
+    let ends: Vec<usize> =
+        (0..words.len()).filter(|&at| words[at].user >> 7 & 1 == 1).map(|at| at + 1).collect();
+    let starts = std::iter::once(0).chain(ends.iter().copied());
+    let words = ends.iter().zip(starts).map(|(end, start)| (end - start) as u32).collect();
+    cc_strip_clocks::Strip { level, words }
 }
 
 /// The reference of a core with these parameters.
@@ -134,11 +170,11 @@ pub fn reference_parameters(parameters: Parameters) -> reference::Parameters {
 /// The words of a strip with guards at both ends, in the shape of the core's input port.
 ///
 /// Nothing for a strip with rims: it has columns that no guard stands beside.
-pub fn words(port: &Port, strip: &StripRecords<Point>) -> Option<Vec<Beat>> {
+pub fn words(port: &Port, level: u32, strip: &StripRecords<Point>) -> Option<Vec<Beat>> {
     let [Some(left), Some(right)] = &strip.guards else { return None };
     let mut words = vec![];
     guard(port, left, Role::OutsideRight, &mut words);
-    words.iter_mut().for_each(|word| word.user |= 1 << 8);
+    words[0].user |= u64::from(level) << 8;
     for column in &strip.columns {
         for (vertex, outside) in column.vertices.iter().zip(&column.outside) {
             words.push(word(port, Role::Vertex, outside.valence, vertex));

@@ -27,6 +27,10 @@ impl Signal {
     pub fn time(&self) -> Option<u32> {
         self.builder.node(self.id, |n| n.time)
     }
+    /// Whether both are one node of one module.
+    pub fn is_same(&self, other: &Signal) -> bool {
+        self.id == other.id
+    }
     /// The name it has been given.
     pub fn name(&self) -> Option<String> {
         self.builder.node(self.id, |n| n.name.clone())

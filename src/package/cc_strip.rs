@@ -4,24 +4,32 @@ use serde_json::{Value, json};
 
 use super::{Draft, Package, assemble};
 use crate::cores::cc_strip::proof::{Proof, prove};
-use crate::cores::cc_strip::{Parameters, Precision, build};
+use crate::cores::cc_strip::{Parameters, Precision, Schedule, build, stored_vertices};
 use crate::cosim::device;
-use crate::cosim::strip_bench::StripBench;
+use crate::cosim::strip_bench::{StripBench, protocol};
 use crate::error::Result;
 use crate::hdl::verilog;
+use crate::model::cc_strip_clocks;
 use crate::surface::catmull_clark::quad_mesh::QuadMesh;
 use crate::surface::catmull_clark::rings::{Boundary, Rings};
 
 /// The command that generates the core with these parameters.
 pub fn command(parameters: Parameters) -> String {
-    let Parameters { coordinates, output_fraction, levels, max_valence, table_bits, precision } = parameters;
+    let Parameters { coordinates, output_fraction, levels, max_valence, table_bits, precision, .. } =
+        parameters;
     let guard = match precision {
         Precision::Exact => String::new(),
         Precision::Guard(bits) => format!(" --guard {bits}"),
     };
+    let schedule = match parameters.schedule {
+        Schedule::Pipelined => String::new(),
+        schedule => format!(" --schedule {schedule}"),
+    };
+    let fold = if parameters.folded { " --fold" } else { "" };
+    let rows = parameters.rows_per_clock.map_or(String::new(), |rows| format!(" --rows-per-clock {rows}"));
     format!(
         "subdiv-rtl generate cc-strip --coordinates {coordinates} --output-fraction {output_fraction} \
-         --level {levels} --max-valence {max_valence} --table {table_bits}{guard}"
+         --max-level {levels} --max-valence {max_valence} --table {table_bits}{guard}{schedule}{fold}{rows}"
     )
 }
 
@@ -36,16 +44,19 @@ pub fn package(parameters: Parameters, prove_it: bool) -> Result<Package> {
     let sources = verilog::print(&core, &command)?;
     let dut = device(&core, &sources, None);
     let (mesh, rings) = sample(parameters)?;
-    let bench = StripBench::new(&core, parameters, &mesh, &rings)?;
+    let bench = StripBench::new(&core, parameters, parameters.levels, &mesh, &rings)?;
 
     let draft = Draft {
         core: "cc-strip",
         purpose: "Catmull-Clark subdivision of quad strips by a sliding window",
         command,
-        parameters: parameters_json(parameters),
+        parameters: parameters_json(parameters, stored_vertices(&core, parameters)?),
         streams: streams(parameters),
         latency: Value::Null,
-        initiation_interval: json!({ "clocks_per_input_column": 1u32 << parameters.levels }),
+        initiation_interval: json!({
+            "clocks_per_input_column": cc_strip_clocks::clocks_per_column(protocol(parameters)),
+            "where": "strips of the finest level, valence 4, no stalls",
+        }),
         proofs: proofs(proof.as_ref()),
         input: &bench.input,
         expected: &bench.expected,
@@ -53,7 +64,7 @@ pub fn package(parameters: Parameters, prove_it: bool) -> Result<Package> {
     assemble(&core, &dut, draft)
 }
 
-fn parameters_json(parameters: Parameters) -> Value {
+fn parameters_json(parameters: Parameters, stored: u64) -> Value {
     json!({
         "coordinates": parameters.coordinates.to_string(),
         "output_fraction": parameters.output_fraction,
@@ -61,7 +72,11 @@ fn parameters_json(parameters: Parameters) -> Value {
         "max_valence": parameters.max_valence,
         "table_bits": parameters.table_bits,
         "precision": format!("{:?}", parameters.precision),
-        "schedule": "pipelined",
+        "rounding": parameters.rounding.to_string(),
+        "schedule": parameters.schedule.to_string(),
+        "folded": parameters.folded,
+        "rows_per_clock": parameters.rows_per_clock,
+        "stored_vertices": stored,
     })
 }
 
@@ -82,13 +97,29 @@ fn streams(parameters: Parameters) -> Value {
             "strip": "columns -1 .. M + 1 of a strip of M quads, the first and the last are guards; tlast on its last word",
             "column": "top vertex, what lies outside of it, bottom vertex, what lies outside of it",
             "outside": "valence 4 and more: the fan a_1, x_2, a_2, ...; valence 3 and guards: the outside vertices left and right",
-            "tuser": "bits 1:0 vertex, fan, outside left, outside right; 6:2 valence of a vertex; 7 last word of its column; 8 word of the first column",
+            "tuser": "bits 1:0 vertex, fan, outside left, outside right; 6:2 valence of a vertex; 7 last word of its column; 10:8 on the first word of a strip its level, 1 and up",
+            "dropped": "strips of a level that the core does not have",
         },
         "m_axis": {
-            "beats": format!("columns 0 .. {} M of the fine strip, {} vertices from top to bottom", 1u32 << parameters.levels, parameters.rows(parameters.levels)),
-            "tlast": "last column of a strip",
+            "beats": beats(parameters),
+            "tkeep": "the vertices that are there",
+            "tlast": "last beat of a strip",
         },
     })
+}
+
+fn beats(parameters: Parameters) -> String {
+    let rows = parameters.rows(parameters.levels);
+    match (parameters.schedule, parameters.rows_per_clock) {
+        (Schedule::Double, _) => format!(
+            "columns 0 .. 2^l M of the fine strip, {rows} vertices from top to bottom; at level {} two columns in a beat",
+            parameters.levels
+        ),
+        (_, Some(rows)) => format!(
+            "columns 0 .. 2^l M of the fine strip in slices of {rows} vertices, one more in the last; tuser 1 ends a column"
+        ),
+        _ => format!("columns 0 .. 2^l M of the fine strip, {rows} vertices from top to bottom"),
+    }
 }
 
 fn proofs(proof: Option<&Proof>) -> Value {

@@ -64,19 +64,24 @@ pub fn run(settings: &Settings) -> Result<()> {
     let more = rings.width().saturating_sub(wanted.width());
     let coordinates = Format { integer: wanted.integer + more, ..wanted };
     let parameters = Parameters {
-        coordinates,
         output_fraction: settings.output_fraction.unwrap_or(coordinates.fraction),
-        levels: settings.level,
-        max_valence: rings.largest_valence().max(4) as u32,
         precision: settings.guard.map_or(Precision::Exact, Precision::Guard),
-        table_bits: coordinates.width() + 13,
+        schedule: settings.units.schedule.into(),
+        folded: settings.units.fold,
+        rows_per_clock: settings.units.rows_per_clock,
+        ..Parameters::exact(
+            coordinates,
+            settings.strip_levels.unwrap_or(settings.level),
+            rings.largest_valence().max(4) as u32,
+        )
     }
     .check()?;
 
     let core = build(parameters)?;
-    let mut bench = StripBench::new(&core, parameters, &quads, &rings)?;
+    let mut bench = StripBench::new(&core, parameters, settings.level, &quads, &rings)?;
     let sources = verilog::print(&core, &package::cc_strip::command(parameters))?;
-    let vectors = stimulus(settings, take(&mut bench.input), take(&mut bench.expected));
+    let mut vectors = stimulus(settings, take(&mut bench.input), take(&mut bench.expected));
+    vectors.expected_clocks = Some(bench.clocks(&vectors));
     let outcomes = run_all(settings, &core, &device(&core, &sources, None), vectors)?;
 
     let drawn = bench.assemble(&quads, outcomes.first().map_or(&[], |outcome| &outcome.received))?;

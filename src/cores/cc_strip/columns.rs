@@ -1,89 +1,93 @@
 //! The face column and the vertex column: separable sums over the rows of two and three columns.
 //!
 //! ```text
-//! s = left + right          F = (s_k + s_{k+1}) / 4          E_row = (s_{k-1} + 6 s_k + s_{k+1}) / 16
-//! t = previous + 6 c + next E_col = (t_k + t_{k+1}) / 16     V = (t_{k-1} + 6 t_k + t_{k+1}) / 64
+//! s = left + right              F = (s_k + s_{k+1}) / 4          E_row = (s_{k-1} + 6 s_k + s_{k+1}) / 16
+//! t = previous + 6 c + next     E_col = (t_k + t_{k+1}) / 16     V = (t_{k-1} + 6 t_k + t_{k+1}) / 64
 //! ```
 //!
-//! Everything is computed over 64, so nothing is divided here.
+//! Everything is computed over 64, so nothing is divided here; where vertices are kept with guard bits, each
+//! new one is rounded once, from its unrounded sum. A unit works on q cells: rows 0 .. q, and the rows above
+//! and below them, which lie outside of the strip at its ends. Source: Hall, sections 4.3 and 4.4.
 
-use crate::hdl::{Builder, Signal};
+use std::rc::Rc;
 
-/// One column in the window: its strip vertices from top to bottom, and what lies outside at both ends.
-pub struct Column {
-    pub rows: Vec<Signal>,
-    pub top: Outside,
-    pub bottom: Outside,
+use super::Parameters;
+use crate::error::Result;
+use crate::hdl::{Builder, Module, Signal};
+
+/// Names of the rows that a unit of `cells` cells sees: above, 0, .., q, below.
+pub fn row_names(cells: u32) -> Vec<String> {
+    let inner = (0..=cells).map(|k| k.to_string());
+    std::iter::once("above".to_string()).chain(inner).chain(["below".to_string()]).collect()
 }
 
-/// What lies outside of an end of a column.
-#[derive(Clone)]
-pub struct Outside {
-    /// The outside vertex that the face columns to the left and to the right use.
-    pub left: Signal,
-    pub right: Signal,
-    /// a_1 .. a_{d-3}: the outside edge neighbours from left to right.
-    pub neighbours: Vec<Signal>,
-    /// x_2 .. x_{d-3}: the diagonals of the outside faces between them; `diagonals[i]` is x_{i+2}.
-    pub diagonals: Vec<Signal>,
+/// A sum over 64 of vertices of the unit's level as a vertex of the next level.
+fn vertex(m: &Builder, parameters: Parameters, level: u32, name: String, sum: impl Into<crate::hdl::Sum>) {
+    let sum = m.wire(format!("{name}_sum"), sum.into());
+    let over64 = m.rescale(&sum, parameters.word(level).fraction + 6);
+    let rounded = m.round(&over64, parameters.drop(), parameters.rounding);
+    m.output(name.clone(), m.wire(name, &rounded));
 }
 
-/// A new column, over 64, with the outside faces at its ends.
-pub struct FaceColumn {
-    pub rows: Vec<Signal>,
-    pub top: Signal,
-    pub bottom: Signal,
-}
-
-/// The column between two: edge points of the rows, and face points between them (Hall, section 4.3).
-pub fn face_column(m: &Builder, left: &Column, right: &Column) -> FaceColumn {
-    // s runs over the outside rows too: s[0] lies above the strip, s[rows + 1] below.
-    let mut s = vec![m.wire("s_above", &left.top.right + &right.top.left)];
-    for (k, (a, b)) in left.rows.iter().zip(&right.rows).enumerate() {
-        s.push(m.wire(format!("s_{k}"), a + b));
-    }
-    s.push(m.wire("s_below", &left.bottom.right + &right.bottom.left));
-
+/// The column between two: `edge_k` on row k, `face_k` between the rows k and k + 1, `face_above` and
+/// `face_below` beyond the ends. Inputs `left_..` and `right_..` by [`row_names`].
+pub fn face_column(parameters: Parameters, level: u32, cells: u32) -> Result<Rc<Module>> {
+    let m = Builder::new(&format!("face_column_{level}"));
+    m.purpose(format!("Face points and edge points between two columns of level {level}, {cells} cells."));
+    let word = parameters.word(level);
+    let names = row_names(cells);
+    let [left, right] = ["left", "right"]
+        .map(|side| names.iter().map(|row| m.input(format!("{side}_{row}"), word)).collect::<Vec<_>>());
+    let s: Vec<Signal> = names
+        .iter()
+        .zip(left.iter().zip(&right))
+        .map(|(row, (a, b))| m.wire(format!("s_{row}"), a + b))
+        .collect();
     let pairs: Vec<Signal> =
-        s.windows(2).enumerate().map(|(k, w)| m.wire(format!("s_pair_{k}"), &w[0] + &w[1])).collect();
-    let face = |k: usize| m.wire(format!("face_{k}"), &pairs[k] << 4);
-    let mut rows = vec![];
-    for k in 1..s.len() - 1 {
-        // s_{k-1} + 6 s_k + s_{k+1} is two neighbouring pairs and four times the middle.
-        rows.push(m.wire(format!("edge_row_{}", k - 1), 4 * &pairs[k - 1] + 4 * &pairs[k] + 16 * &s[k]));
-        if k + 2 < s.len() {
-            rows.push(face(k));
-        }
+        s.windows(2).zip(&names).map(|(w, row)| m.wire(format!("s_pair_{row}"), &w[0] + &w[1])).collect();
+    let last = cells as usize + 1;
+    for (k, pair) in pairs.iter().enumerate() {
+        let name = match k {
+            0 => "face_above".to_string(),
+            _ if k == last => "face_below".to_string(),
+            _ => format!("face_{}", k - 1),
+        };
+        vertex(&m, parameters, level, name, 16 * pair);
     }
-    FaceColumn { rows, top: face(0), bottom: face(pairs.len() - 1) }
+    for k in 1..=last {
+        // s_{k-1} + 6 s_k + s_{k+1} is two neighbouring pairs and four times the middle.
+        let sum = 4 * &pairs[k - 1] + 4 * &pairs[k] + 16 * &s[k];
+        vertex(&m, parameters, level, format!("edge_{}", k - 1), sum);
+    }
+    m.finish()
 }
 
-/// The new rows of a column itself, but for the replacement of its two end vertices: edge points between
-/// the rows, replacement vertices on the inner rows (Hall, section 4.4).
-pub fn vertex_column(
-    m: &Builder,
-    previous: &Column,
-    column: &Column,
-    next: &Column,
-    ends: [Signal; 2],
-) -> Vec<Signal> {
-    let count = column.rows.len();
-    let t: Vec<Signal> = (0..count)
+/// The new rows of a column itself: `edge_k` between the rows k and k + 1, `vertex_k` in place of row k where
+/// both neighbours are in the strip: k = 1 .. q - 1, and k = 0 where the unit works on `sliced` columns.
+pub fn vertex_column(parameters: Parameters, level: u32, cells: u32, sliced: bool) -> Result<Rc<Module>> {
+    let m = Builder::new(&format!("vertex_column_{level}"));
+    m.purpose(format!("Edge points and replaced vertices of a column of level {level}, {cells} cells."));
+    let word = parameters.word(level);
+    let names = &row_names(cells)[usize::from(!sliced)..=cells as usize + 1];
+    let columns = ["previous", "column", "next"]
+        .map(|side| names.iter().map(|row| m.input(format!("{side}_{row}"), word)).collect::<Vec<_>>());
+    let [previous, column, next] = columns;
+    let t: Vec<Signal> = (0..names.len())
         .map(|k| {
-            let around = m.wire(format!("around_{k}"), &previous.rows[k] + &next.rows[k]);
-            m.wire(format!("t_{k}"), &around + 6 * &column.rows[k])
+            let around = m.wire(format!("around_{}", names[k]), &previous[k] + &next[k]);
+            m.wire(format!("t_{}", names[k]), &around + 6 * &column[k])
         })
         .collect();
     let pairs: Vec<Signal> =
-        t.windows(2).enumerate().map(|(k, w)| m.wire(format!("t_pair_{k}"), &w[0] + &w[1])).collect();
-    let [top, bottom] = ends;
-    let mut rows = vec![top];
-    for k in 0..count - 1 {
-        rows.push(m.wire(format!("edge_column_{k}"), &pairs[k] << 2));
-        if k + 2 < count {
-            rows.push(m.wire(format!("replacement_{}", k + 1), &pairs[k] + &pairs[k + 1] + 4 * &t[k + 1]));
+        t.windows(2).zip(names).map(|(w, row)| m.wire(format!("t_pair_{row}"), &w[0] + &w[1])).collect();
+    for (k, pair) in pairs.iter().enumerate() {
+        if names[k] != "above" {
+            vertex(&m, parameters, level, format!("edge_{}", names[k]), 4 * pair);
+        }
+        if k > 0 {
+            let sum = &pairs[k - 1] + pair + 4 * &t[k];
+            vertex(&m, parameters, level, format!("vertex_{}", names[k]), sum);
         }
     }
-    rows.push(bottom);
-    rows
+    m.finish()
 }

@@ -12,14 +12,15 @@
 
 use std::collections::BTreeMap;
 
-use super::level::{self, column_names};
-use super::outside::End;
-use super::{Parameters, Precision};
-use crate::cores::cc_strip::outside::kappa64;
+use super::Parameters;
+use super::engine;
+use super::fan::{End, fan_names, kappa64};
+use super::schedule::Group;
+use super::window::{KEPT, STAGES};
 use crate::error::{Error, Kind, Result};
-use crate::fixed::Form;
+use crate::fixed::{Form, Rounding};
 use crate::hdl::linear::Value;
-use crate::hdl::{Flat, LinearForms, Simulator};
+use crate::hdl::{Flat, LinearForms, NodeId, Simulator};
 
 /// Variables of the largest window: three columns of 65 rows and what lies outside.
 const VARIABLES: usize = 256;
@@ -51,17 +52,29 @@ fn total(parts: &[(i128, &Mask)]) -> Mask {
     sum
 }
 
-/// Runs the proof; an error is a refutation.
+/// Runs the proof; an error is a refutation. A mode of rounding that is no floor of a sum is proved with the sums
+/// that it rounds: the core is proved with halves rounded up in its place.
+///
+/// # Errors
+/// Of kind `Mismatch` where a vertex is another function of the window; else those of building the engines.
 pub fn prove(parameters: Parameters) -> Result<Proof> {
+    let rounding = if parameters.rounding == Rounding::Floor { Rounding::Floor } else { Rounding::HalfUp };
+    let parameters = Parameters { rounding, ..parameters };
     let mut proof =
         Proof { levels: parameters.levels, max_valence: parameters.max_valence, ..Proof::default() };
-    for level in 0..parameters.levels {
-        for valence in 3..=parameters.max_valence {
-            // Different valences at the two ends, so that they cannot be mixed up.
-            let other = if valence == parameters.max_valence { 3 } else { valence + 1 };
-            let (vertices, claims) = prove_level(parameters, level, [valence, other])?;
-            proof.vertices += vertices;
-            proof.claims += claims;
+    let groups = parameters.groups();
+    for index in 0..groups.len() {
+        let flat = Flat::new(&engine::build(parameters, index, &groups)?)?;
+        for level in groups[index].levels.clone() {
+            for valence in 3..=parameters.max_valence {
+                // Different valences at the two ends, so that they cannot be mixed up.
+                let other = if valence == parameters.max_valence { 3 } else { valence + 1 };
+                let valences = [valence, other];
+                let claim = Statement { parameters, group: &groups[index], level, valences };
+                let (vertices, claims) = claim.prove(&flat)?;
+                proof.vertices += vertices;
+                proof.claims += claims;
+            }
         }
     }
     Ok(proof)
@@ -116,32 +129,39 @@ impl Window {
         (neighbours, diagonals)
     }
 
-    /// The value of an input port; nothing where the unit must not look.
-    fn port(&self, column: usize, name: &str) -> Option<&Mask> {
-        if let Some(row) = name.strip_prefix("row_") {
+    /// What a register of the window holds, by its name; nothing where the unit must not look.
+    fn register(&self, name: &str) -> Option<&Mask> {
+        let (stage, place) = name.split_once('_')?;
+        let column = STAGES.iter().position(|s| *s == stage);
+        if let (Some(column), Some(row)) = (column, place.strip_prefix("row_")) {
             return self.columns[column].get(row.parse::<usize>().ok()?);
         }
-        let (end, place) = name.split_once('_')?;
+        let (end, place) = place.split_once('_')?;
         let end = usize::from(end == End::Bottom.name());
         let ring = &self.ends[end];
         let (first, last) = (ring.diagonals.first(), ring.diagonals.last());
+        // a_i and x_i count from 1; x_1 and x_{d-2} belong to the neighbouring columns.
+        let number = |list: &str| place.strip_prefix(list).and_then(|i| i.parse::<usize>().ok());
         match (column, place) {
-            (0, "right") => first,
-            (2, "left") => last,
-            // With valence 3 the face columns use the neighbouring columns' vertices.
-            (1, "left") => ring.neighbours.first().or(Some(self.end(end, 2)[0])),
-            (1, "right") => ring.neighbours.last().or(Some(self.end(end, 0)[0])),
-            (1, _) => {
-                let index: usize = place[2..].parse().ok()?;
-                match place.starts_with('a') {
-                    true => ring.neighbours.get(index - 1),
-                    // x_{d-2} belongs to the next column.
-                    false => ring.diagonals.get(index - 1).filter(|_| index + 2 < ring.valence as usize),
-                }
-            }
+            (Some(0), "right") => first,
+            (Some(2), "left") => last,
+            // The face column to its right lies below the last neighbour, or below the left one's with valence 3.
+            (Some(1), "right") => last_face_corner(self, end),
+            (Some(1), "left") => ring.neighbours.first(),
+            (None, _) => match (number("a_"), number("x_")) {
+                (Some(i), _) => ring.neighbours.get(i - 1),
+                (_, Some(i)) => ring.diagonals.get(i - 1).filter(|_| i < ring.valence as usize - 2),
+                _ => None,
+            },
             _ => None,
         }
     }
+}
+
+/// The outside vertex that the face column to the right of an end uses: its last outside neighbour; of valence 3,
+/// the end vertex of the column before.
+fn last_face_corner(window: &Window, end: usize) -> Option<&Mask> {
+    window.ends[end].neighbours.last().or(Some(window.end(end, 0)[0]))
 }
 
 /// Four times the point of a face.
@@ -245,58 +265,120 @@ fn replacement(centre: &Mask, neighbours: &[&Mask], diagonals: &[&Mask], bits: u
     total(&[(kappa, &rule), ((64i128 << bits) - kappa * 4 * d * d, centre)])
 }
 
-/// One level with given valences at its ends; returns how many vertices and claims were checked.
-fn prove_level(parameters: Parameters, level: u32, valences: [u32; 2]) -> Result<(u64, u64)> {
-    let unit = level::build(parameters, level)?;
-    let window = Window::new(parameters.rows(level), valences);
-    let groups = vec![parameters.word(level).range];
-    let mut simulator = Simulator::new(Flat::new(&unit)?, LinearForms::<VARIABLES>::new(groups));
-    let input = |s: &Simulator<_>, name: &str| {
-        s.flat.input(name).ok_or_else(|| Error::usage(format!("the unit has no input {name}")))
-    };
-    let set = |s: &mut Simulator<LinearForms<VARIABLES>>, name: &str, value| -> Result<()> {
-        let id = input(s, name)?;
-        s.set(id, value);
-        Ok(())
-    };
-    for (end, valence) in End::BOTH.iter().zip(valences) {
-        set(&mut simulator, &format!("{}_valence", end.name()), Value::Integer(valence.into()))?;
-    }
-    set(&mut simulator, "face", Value::Integer(0))?;
-    set(&mut simulator, "arrive", Value::Integer(1))?;
-    for column in 0..3 {
-        for name in column_names(parameters, level) {
-            let value = window.port(column, &name).map_or(Value::Unknown, |mask| Value::Form(form(mask)));
-            set(&mut simulator, &name, value)?;
-        }
-        simulator.settle();
-        simulator.edge(false)?;
-    }
-    set(&mut simulator, "arrive", Value::Integer(0))?;
+/// One level of a group with given valences at its ends.
+struct Statement<'a> {
+    parameters: Parameters,
+    group: &'a Group,
+    level: u32,
+    valences: [u32; 2],
+}
 
-    let [between, middle] = rules(&window, parameters.replacement_bits());
-    let mut compared = 0;
-    for (face, rules) in [(1, between), (0, middle)] {
-        set(&mut simulator, "face", Value::Integer(face))?;
-        simulator.settle();
-        for (name, rule) in rules {
-            let expected = rounded(parameters, level, &rule);
-            let id = simulator.flat.output(&format!("out_{name}"));
-            let found = id.map(|id| *simulator.get(id));
-            if !matches!(found, Some(Value::Form(form)) if form.canonical() == expected) {
-                let column = if face == 1 { "face column" } else { "vertex column" };
-                let place = format!("level {level}, valences {valences:?}, {column}, {name}");
-                return Err(
-                    Error::new(Kind::Mismatch, "a vertex is another function of the window").at(place)
-                );
+impl Statement<'_> {
+    /// Returns how many vertices were compared, and how many claims were checked.
+    fn prove(&self, flat: &Flat) -> Result<(u64, u64)> {
+        let Statement { parameters, group, level, valences } = *self;
+        let window = Window::new(parameters.rows(level), valences);
+        // At level 0 the registers hold the control points, without the guard bits.
+        let guard = if level == 0 { parameters.extra_fraction(0) } else { 0 };
+        let variable = if level == 0 { parameters.input_word() } else { parameters.word(level) };
+        let mut simulator = Simulator::new(flat.clone(), LinearForms::<VARIABLES>::new(vec![variable.range]));
+        let registers: BTreeMap<String, NodeId> = flat
+            .clocked
+            .iter()
+            .filter_map(|&id| {
+                Some((flat.nodes[id.index()].path.as_deref()?.trim_end_matches(KEPT).into(), id))
+            })
+            .collect();
+        let here = format!("window_{level}.");
+        for (path, &id) in &registers {
+            if let Some(mask) = path.strip_prefix(&here).and_then(|name| window.register(name)) {
+                simulator.set(id, Value::Form(form(mask)));
             }
-            compared += 1;
+        }
+        let control = |s: &mut Simulator<_>, name: &str, number: u32| {
+            if let Some(id) = s.flat.input(name) {
+                s.set(id, Value::Integer(number.into()));
+            }
+        };
+        for (name, id) in flat.inputs.clone() {
+            // Nothing comes in.
+            if name.starts_with("in_shift") || name.starts_with("in_write") || name == "in_fans" {
+                simulator.set(id, Value::Integer(0));
+            }
+        }
+        for l in group.levels.clone() {
+            control(&mut simulator, &format!("serve_{l}"), u32::from(l == level));
+            control(&mut simulator, &format!("shift_{l}"), 0);
+            control(&mut simulator, &format!("write_{l}"), 0);
+        }
+        for (end, valence) in End::BOTH.iter().zip(valences) {
+            control(&mut simulator, &format!("{}_valence", end.name()), valence);
+        }
+
+        let slices = group.slices(level);
+        let cells = (1usize << level) / slices as usize;
+        let within = level < group.finest();
+        let [between, middle] = rules(&window, parameters.replacement_bits());
+        let expected = |rules: &BTreeMap<String, Rule>, name: &str| {
+            rules.get(name).map(|rule| rounded(parameters, level, guard, rule))
+        };
+        let mut compared = 0;
+        for (face, rules) in [(1, &between), (0, &middle)] {
+            control(&mut simulator, "face", face);
+            let prefix = if face == 1 && group.double { "face" } else { "out" };
+            let column = if face == 1 { "face column" } else { "vertex column" };
+            let differs = |what: &str, name: &str| {
+                let place = format!("level {level}, valences {valences:?}, {column}, {what}, {name}");
+                Error::new(Kind::Mismatch, "a vertex is another function of the window").at(place)
+            };
+            for slice in 0..slices {
+                control(&mut simulator, "slice", slice);
+                control(&mut simulator, &format!("shift_{}", level + 1), u32::from(slice == 0));
+                control(&mut simulator, &format!("write_{}", level + 1), u32::from(within));
+                simulator.settle();
+                let lanes = 2 * cells + usize::from(slice + 1 == slices);
+                let rows = (0..lanes)
+                    .map(|u| (format!("row_{u}"), format!("row_{}", 2 * cells * slice as usize + u)));
+                let ends = engine_ends(parameters, slice == 0, slice + 1 == slices);
+                for (port, name) in rows.chain(ends.into_iter().map(|place| (place.clone(), place))) {
+                    let Some(expected) = expected(rules, &name) else { continue };
+                    let id = simulator.flat.output(&format!("{prefix}_{port}"));
+                    match id.map(|id| *simulator.get(id)) {
+                        Some(Value::Form(form)) if form.canonical() == expected => compared += 1,
+                        _ => return Err(differs("output", &name)),
+                    }
+                }
+                if within {
+                    simulator.edge(false)?;
+                }
+            }
+            if within {
+                // The next window of the group has taken the column in.
+                for row in 0..parameters.rows(level + 1) {
+                    let name = format!("row_{row}");
+                    let id = registers.get(&format!("window_{}.next_{name}", level + 1));
+                    match (id.map(|&id| *simulator.get(id)), expected(rules, &name)) {
+                        (Some(Value::Form(form)), Some(expected)) if form.canonical() == expected => {}
+                        _ => return Err(differs("next window", &name)),
+                    }
+                }
+            }
+        }
+        match simulator.domain.failures.first() {
+            Some(failure) => Err(Error { kind: Kind::Mismatch, ..failure.clone() }),
+            None => Ok((compared, simulator.domain.proved.len() as u64)),
         }
     }
-    match simulator.domain.failures.first() {
-        Some(failure) => Err(Error { kind: Kind::Mismatch, ..failure.clone() }),
-        None => Ok((compared, simulator.domain.proved.len() as u64)),
-    }
+}
+
+/// What lies outside of the ends that leave with a slice.
+fn engine_ends(parameters: Parameters, top: bool, bottom: bool) -> Vec<String> {
+    let ends = End::BOTH.iter().zip([top, bottom]).filter(|(_, leaves)| *leaves);
+    ends.flat_map(|(end, _)| {
+        let places = ["left", "right"].map(String::from).into_iter().chain(fan_names(parameters));
+        places.map(|place| format!("{}_{place}", end.name()))
+    })
+    .collect()
 }
 
 fn form(mask: &Mask) -> Form<VARIABLES> {
@@ -306,15 +388,16 @@ fn form(mask: &Mask) -> Form<VARIABLES> {
     form
 }
 
-/// The rule as the next level receives it: over the right power of two, half up.
-fn rounded(parameters: Parameters, level: u32, rule: &Rule) -> Form<VARIABLES> {
-    let drop = parameters.extra_fraction(level) + 6 - parameters.extra_fraction(level + 1) + rule.more;
+/// The rule as the next level receives it: over the right power of two, rounded.
+fn rounded(parameters: Parameters, level: u32, guard: u32, rule: &Rule) -> Form<VARIABLES> {
+    let drop = parameters.drop() + rule.more;
     let unit = 1i128 << drop;
-    // An end vertex has the fraction of the table on a face column, too, where nothing is below it.
-    Form { constant: unit / 2, divisor: unit, ..form(&rule.mask) }.canonical()
-}
-
-/// Whether the intermediate columns of regular vertices lose nothing.
-pub fn is_exact(parameters: Parameters) -> bool {
-    parameters.precision == Precision::Exact
+    let half = if parameters.rounding == Rounding::Floor { 0 } else { unit / 2 };
+    debug_assert_eq!(
+        drop,
+        parameters.extra_fraction(level) + 6 - parameters.extra_fraction(level + 1) + rule.more
+    );
+    let mut form = form(&rule.mask);
+    form.coefficients.iter_mut().for_each(|c| *c <<= guard);
+    Form { constant: half, divisor: unit, ..form }.canonical()
 }

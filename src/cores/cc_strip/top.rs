@@ -1,24 +1,28 @@
-//! The levels in a chain between two AXI4-Streams: the pipelined schedule.
+//! The groups of levels in a chain between two AXI4-Streams.
+//!
+//! ```text
+//! s_axis ──► loader ──► group 0 ──► group 1 ──► ... ──► output ──► m_axis
+//!              │           └───────────┴──────────────────▲
+//!              └── level of the strip: which group's columns leave
+//! ```
 
 use std::rc::Rc;
 
-use super::level::{self, column_names};
+use super::engine::{self, Outgoing, equals, incoming_places, producer};
+use super::output::{Offer, Output};
+use super::schedule::Group;
+use super::window::Producer;
 use super::{Parameters, USER_BITS, control, loader};
 use crate::cores::loop_fd::AXES;
 use crate::error::Result;
-use crate::fixed::{Range, Rounding};
 use crate::hdl::{Builder, Module, Placed, Signal, Word};
 
-/// A column that one stage offers to the next.
-struct Offer {
-    valid: Signal,
-    first: Signal,
-    last: Signal,
-    /// The vertex column before the last face column: the last one to be seen.
-    ending: Signal,
-    valences: [Signal; 2],
-    /// Its vertices for each axis, in the order of [`column_names`].
-    places: [Vec<Signal>; 3],
+/// A group with its control and its three engines.
+struct Stage {
+    control: Placed,
+    /// What leaves, by axis; and the second column where the unit makes two.
+    columns: [Outgoing; 3],
+    second: Option<[Outgoing; 3]>,
 }
 
 pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
@@ -30,131 +34,141 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
     m.parameter("max_valence", parameters.max_valence);
     m.parameter("precision", format!("{:?}", parameters.precision));
     m.parameter("table_bits", parameters.table_bits);
+    m.parameter("schedule", parameters.schedule);
 
     let lane = parameters.coordinates.width().next_multiple_of(8);
     let input = m.stream_input("s_axis", lane, &AXES.map(|axis| (axis, parameters.input_word())), USER_BITS);
     let consumer = m.stream_ready("m_axis");
+    let groups = parameters.groups();
 
-    // Whether each stage may send its column on; driven by the stage behind it.
-    let taken: Vec<Signal> =
-        (0..=parameters.levels).map(|l| m.forward(format!("taken_{l}"), Word::bit())).collect();
+    // What a stage needs to know of those behind it.
+    let ready: Vec<Signal> =
+        (0..groups.len()).map(|g| m.forward(format!("ready_{g}"), Word::bit())).collect();
+    let idle = m.forward("idle", Word::bit());
+    let output_ready = m.forward("output_ready", Word::bit());
+
     let loader = m.instance(
         "loader",
-        &loader::control(parameters)?,
-        &[("valid", &input.valid), ("user", &input.user), ("last", &input.last), ("taken", &taken[0])],
+        &loader::build(parameters)?,
+        &[
+            ("valid", &input.valid),
+            ("user", &input.user),
+            ("last", &input.last),
+            ("taken", &ready[0]),
+            ("idle", &idle),
+        ],
     );
     m.output("s_axis_tready", loader.out("ready"));
-    let mut offer = gathered(&m, parameters, &loader, &input.lanes)?;
-    for level in 0..parameters.levels {
-        offer = subdivided(&m, parameters, level, offer, &taken)?;
-    }
+    let level = loader.out("level");
 
-    // Guards are not seen; the others are rounded and kept until the consumer takes them.
-    let seen = m.wire("seen", m.all(&[&offer.valid, &!&offer.first, &!&offer.last]));
-    let full = m.register_reset("full", Word::bit(), 0);
-    let free = m.wire("free", !&full | &consumer);
-    m.drive(&taken[parameters.levels as usize], m.wire("column_goes", &offer.valid & &free));
-    let keep = m.wire("keep", &seen & &free);
-    m.on(&keep, &full, m.bit(true));
-    m.on(&consumer, &full, m.bit(false));
-    let ending = m.register("strip_end", Word::bit());
-    m.on(&keep, &ending, &offer.ending);
+    let mut stages: Vec<Stage> = vec![];
+    for (index, group) in groups.iter().enumerate() {
+        let before = index.checked_sub(1).map(|at| (&groups[at], &stages[at]));
+        let flags = match before {
+            None => ["accept", "begins", "ends", "first", "last_column", "top_valence", "bottom_valence"]
+                .map(|name| loader.out(name)),
+            Some((_, stage)) => ["next", "begins", "ends", "first", "last", "top_valence", "bottom_valence"]
+                .map(|name| stage.control.out(&format!("out_{name}"))),
+        };
+        let names = ["valid", "begins", "ends", "first", "last", "top_valence", "bottom_valence"];
+        let mut inputs: Vec<(&str, &Signal)> = names.into_iter().zip(&flags).collect();
+        // Nothing is behind the last group but the output.
+        let never = m.bit(false);
+        let next_ready = ready.get(index + 1).unwrap_or(&never);
+        inputs.extend([("level", &level), ("next_ready", next_ready), ("output_ready", &output_ready)]);
+        let control = m.instance(&format!("control_{index}"), &control::build(index, group)?, &inputs);
+        m.drive(&ready[index], m.wire(format!("group_{index}_ready"), control.out("ready")));
 
-    let mut lanes: Vec<(String, Signal)> = vec![];
-    let extra = parameters.extra_fraction(parameters.levels) + parameters.coordinates.fraction;
-    for row in 0..parameters.rows(parameters.levels) {
-        for (axis, places) in AXES.iter().zip(&offer.places) {
-            let result: Word = Range::signed(parameters.output_width()).into();
-            let result = result.fraction(parameters.output_fraction as i32);
-            let rounded = m.round(&places[row], extra - parameters.output_fraction, Rounding::HalfUp);
-            let register = m.register(format!("row_{row}_{axis}_kept"), result);
-            m.on(&keep, &register, m.wrap(&rounded, result));
-            lanes.push((format!("row{row}_{axis}"), register));
-        }
+        let unit = engine::build(parameters, index, &groups)?;
+        let place = |axis: usize| -> Placed {
+            let mut ports = incoming(&m, parameters, before, &control, &loader, &input.lanes[axis], axis);
+            ports.extend(steering(group, &control));
+            let inputs: Vec<(&str, &Signal)> = ports.iter().map(|(n, s)| (n.as_str(), s)).collect();
+            m.instance(&format!("engine_{index}_{}", AXES[axis]), &unit, &inputs)
+        };
+        let engines = [place(0), place(1), place(2)];
+        let columns =
+            |prefix: &str| [0, 1, 2].map(|axis| Outgoing::of(&engines[axis], prefix, parameters, group));
+        let second = group.double.then(|| columns("face"));
+        stages.push(Stage { columns: columns("out"), second, control });
     }
-    let lanes: Vec<(&str, &Signal)> = lanes.iter().map(|(n, s)| (n.as_str(), s)).collect();
-    m.output_bus("m_axis_tdata", parameters.output_width().next_multiple_of(8), &lanes);
-    m.output("m_axis_tlast", &ending);
-    m.output("m_axis_tvalid", &full);
+    let all_idle: Vec<Signal> = stages.iter().map(|stage| stage.control.out("idle")).collect();
+    m.drive(&idle, m.wire("all_idle", m.all(&all_idle.iter().collect::<Vec<_>>())));
+
+    let offers: Vec<Offer> = groups
+        .iter()
+        .zip(&stages)
+        .map(|(group, stage)| Offer {
+            group,
+            control: &stage.control,
+            columns: &stage.columns,
+            second: stage.second.as_ref(),
+        })
+        .collect();
+    let output = Output { m: &m, parameters, offers, level, consumer };
+    m.drive(&output_ready, output.build());
     m.finish()
 }
 
-/// The column that the loader has gathered.
-fn gathered(m: &Builder, parameters: Parameters, loader: &Placed, lanes: &[Signal]) -> Result<Offer> {
-    let column = loader::column(parameters)?;
-    let names = column_names(parameters, 0);
-    let writes: Vec<(String, Signal)> = names
-        .iter()
-        .map(|name| {
-            let port = format!("write_{name}");
-            let signal = loader.out(&port);
-            (port, signal)
-        })
-        .collect();
-    let place = |axis: usize| -> Vec<Signal> {
-        let mut inputs: Vec<(&str, &Signal)> = writes.iter().map(|(n, s)| (n.as_str(), s)).collect();
-        inputs.push(("word", &lanes[axis]));
-        let placed = m.instance(&format!("column_{}", AXES[axis]), &column, &inputs);
-        // Guard bits stand below the point from the first level on.
-        let guard = parameters.extra_fraction(0);
-        let fraction = parameters.word(0).fraction;
-        names.iter().map(|name| m.rescale(&m.signal(&placed.out(name) << guard), fraction)).collect()
-    };
-    Ok(Offer {
-        valid: loader.out("full"),
-        first: loader.out("first"),
-        last: loader.out("ending"),
-        ending: loader.out("ending"),
-        valences: [loader.out("top_valence"), loader.out("bottom_valence")],
-        places: [place(0), place(1), place(2)],
-    })
-}
-
-/// One level: its control, and a window for each axis.
-fn subdivided(
+/// What the window of a group's first level takes in.
+fn incoming(
     m: &Builder,
     parameters: Parameters,
-    level: u32,
-    offer: Offer,
-    taken: &[Signal],
-) -> Result<Offer> {
-    let (this, next) = (level as usize, level as usize + 1);
-    let control = m.instance(
-        &format!("control_{level}"),
-        &control::build()?,
-        &[
-            ("valid", &offer.valid),
-            ("first", &offer.first),
-            ("last", &offer.last),
-            ("top_valence", &offer.valences[0]),
-            ("bottom_valence", &offer.valences[1]),
-            ("out_ready", &taken[next]),
-        ],
-    );
-    m.drive(&taken[this], m.wire(format!("goes_{level}"), control.out("arrive")));
-    let unit = level::build(parameters, level)?;
-    let [arrive, face] = ["arrive", "is_face"].map(|n| control.out(n));
-    let [top, bottom] = ["top_degree", "bottom_degree"].map(|n| control.out(n));
-    let names = column_names(parameters, level);
-    let finer = column_names(parameters, level + 1);
-    let place = |axis: usize| -> Vec<Signal> {
-        let mut inputs: Vec<(&str, &Signal)> =
-            names.iter().map(String::as_str).zip(&offer.places[axis]).collect();
-        inputs.extend([
-            ("arrive", &arrive),
-            ("face", &face),
-            ("top_valence", &top),
-            ("bottom_valence", &bottom),
-        ]);
-        let placed = m.instance(&format!("level_{level}_{}", AXES[axis]), &unit, &inputs);
-        finer.iter().map(|name| placed.out(&format!("out_{name}"))).collect()
+    before: Option<(&Group, &Stage)>,
+    control: &Placed,
+    loader: &Placed,
+    word: &Signal,
+    axis: usize,
+) -> Vec<(String, Signal)> {
+    let Some((group, stage)) = before else {
+        let mut ports =
+            vec![("in_shift".to_string(), control.out("shift_0")), ("in_word".to_string(), word.clone())];
+        for place in incoming_places(parameters, 0, Producer::Words) {
+            ports.push((format!("in_write_{place}"), loader.out(&format!("write_{place}"))));
+        }
+        return ports;
     };
-    Ok(Offer {
-        valid: control.out("out_valid"),
-        first: control.out("out_first"),
-        last: control.out("out_last"),
-        ending: control.out("ending"),
-        valences: [control.out("top_out"), control.out("bottom_out")],
-        places: [place(0), place(1), place(2)],
-    })
+    let level = group.finest() + 1;
+    let from = producer(Some(group));
+    let fans = if group.double { m.bit(true) } else { !stage.control.out("face") };
+    let mut ports =
+        vec![("in_shift".to_string(), control.out(&format!("shift_{level}"))), ("in_fans".to_string(), fans)];
+    let outgoing = &stage.columns[axis];
+    let signals = outgoing.rows.iter().take(parameters.rows(level)).chain(&outgoing.outside);
+    for (place, signal) in incoming_places(parameters, level, from).into_iter().zip(signals) {
+        ports.push((format!("in_{place}"), signal.clone()));
+    }
+    let write = control.out(&format!("write_{level}"));
+    let slices = group.slices(group.finest());
+    let bits: Vec<Signal> = match slices {
+        1 => vec![],
+        _ => (0..slices.ilog2()).map(|at| m.slice(&stage.control.out("slice"), at, 1)).collect(),
+    };
+    for p in 0..slices {
+        let here = equals(m, &bits, p);
+        ports.push((format!("in_write_{p}"), here.map_or(write.clone(), |here| &write & &here)));
+    }
+    ports
+}
+
+/// What steers the engine of a group beside the column that comes in.
+fn steering(group: &Group, control: &Placed) -> Vec<(String, Signal)> {
+    let mut ports = vec![];
+    let mut copy = |port: String, from: &str| ports.push((port, control.out(from)));
+    for level in group.levels.clone().skip(1) {
+        copy(format!("shift_{level}"), &format!("shift_{level}"));
+        copy(format!("write_{level}"), &format!("write_{level}"));
+    }
+    if group.levels.clone().count() > 1 {
+        group.levels.clone().for_each(|l| copy(format!("serve_{l}"), &format!("serve_{l}")));
+    }
+    if engine::slice_bits(group) > 0 {
+        copy("slice".into(), "slice");
+    }
+    if !group.double {
+        copy("face".into(), "face");
+    }
+    copy("top_valence".into(), "top_degree");
+    copy("bottom_valence".into(), "bottom_degree");
+    ports
 }

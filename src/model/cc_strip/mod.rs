@@ -11,16 +11,19 @@
 //! ```
 //!
 //! [`level`] makes one column from its sources, [`window`] runs all levels in the order of the hardware,
-//! [`schedule`] counts the clocks. Plain integers throughout; every new vertex is one sum, rounded once.
+//! [`finish`] puts a column of the finest level out with its [`normals`], [`schedule`] counts the clocks. Plain integers throughout; every new vertex is one sum, rounded once.
 //! Source: Hall, chapters 4 and 5, with the outside records of [`records`].
 //!
 //! [`records`]: crate::surface::catmull_clark::strips::records
 
 pub mod around;
+pub mod finish;
 pub mod level;
 pub mod longitudinal;
+pub mod normals;
 pub mod render;
 pub mod schedule;
+pub mod unit;
 pub mod window;
 
 use crate::error::{Error, Result};
@@ -29,6 +32,7 @@ use crate::surface::catmull_clark::numbers::{MAX_LEVELS, Numbers};
 use crate::surface::catmull_clark::strips::records::{Column, Guard, Outside, StripRecords};
 use crate::surface::catmull_clark::table::Table;
 use level::LevelColumn;
+use normals::Normals;
 use window::Windows;
 
 /// A position with as many fraction bits as its level has.
@@ -52,6 +56,8 @@ pub struct Parameters {
     pub limit: bool,
     /// Take records with gaps, and strips without guards.
     pub rims: bool,
+    /// The normals that are put out beside the positions; not with rims.
+    pub normals: Option<Normals>,
 }
 
 impl Parameters {
@@ -66,6 +72,7 @@ impl Parameters {
             extra_fraction: 0,
             limit: false,
             rims: false,
+            normals: None,
         }
     }
 }
@@ -84,12 +91,14 @@ pub struct OutputColumn {
     pub index: usize,
     /// 1 + 2^L of them.
     pub vertices: Vec<[i64; 3]>,
+    /// A normal for each of them; empty in a core without. See [`Normals`] for the units.
+    pub normals: Vec<[i64; 3]>,
 }
 
 impl CcStrip {
     /// # Errors
     /// Numbers outside the ranges that [`Parameters`] states, more than 42 guard bits, outputs of W + f bits
-    /// outside 2..=63, a table that [`Table::new`] refuses.
+    /// outside 2..=63, a table that [`Table::new`] refuses, normals that [`Normals::check`] refuses.
     pub fn new(parameters: Parameters) -> Result<Self> {
         let Parameters { width, max_levels, max_valence, numbers, extra_fraction, .. } = parameters;
         let refuse = |what: String, help: &str| Err(Error::usage(what).help(help));
@@ -108,6 +117,9 @@ impl CcStrip {
         if !(2..=63).contains(&(width as i32 + extra_fraction)) {
             let what = format!("{extra_fraction} extra fraction bits on {width} bits");
             return refuse(what, "the output has 2 to 63 bits in all");
+        }
+        if let Some(normals) = parameters.normals {
+            normals.check(&parameters)?;
         }
         Ok(CcStrip { parameters, table: Table::new(parameters.table_bits)? })
     }

@@ -7,9 +7,9 @@
 //!
 //! Every level then receives exactly the indices -1 .. 2^l M + 1 in order (Hall, section 4.1, Figure 4.3).
 
-use super::around::{Around, Three, plus};
+use super::around::Three;
 use super::level::{LevelColumn, Step};
-use super::{CcStrip, OutputColumn, Point, rounded};
+use super::{CcStrip, OutputColumn};
 
 /// The last three columns of each level.
 pub(super) struct Windows<'a, Made, Put> {
@@ -61,37 +61,16 @@ where
         }
     }
 
-    /// What the arrival of column `index` at the finest level puts out: it, or its left neighbour's limit.
+    /// What the arrival of column `index` at the finest level puts out: it, or its left neighbour where limits or
+    /// normals look to both sides.
     fn put_out(&mut self, index: i64) {
-        let core = self.core;
         let [previous, column, next] = &self.columns[self.levels as usize];
-        let index = if core.parameters.limit { index - 1 } else { index };
-        let column = if core.parameters.limit { column } else { next };
+        let (index, column, sides) = match self.core.parameters.looks_sideways() {
+            true => (index - 1, column, [previous.as_ref(), next.as_ref()]),
+            false => (index, next, [None, None]),
+        };
         let (true, Some(column)) = ((0..=self.last).contains(&index), column) else { return };
-        let fraction = core.parameters.numbers.fraction(self.levels) as i32;
-        let shift = fraction - core.parameters.extra_fraction;
-        let narrow = |p: Point, shift: i32| p.map(|x| rounded(x, shift) as i64);
-        let vertices = if core.parameters.limit {
-            let three = Three { previous: previous.as_ref(), column, next: next.as_ref() };
-            let bits = core.table.bits();
-            let limit = |r: usize| narrow(core.limit(column.rows[r], three.around(r)), shift + bits as i32);
-            (0..column.rows.len()).map(limit).collect()
-        } else {
-            column.rows.iter().map(|&p| narrow(p, shift)).collect()
-        };
-        (self.put)(OutputColumn { index: index as usize, vertices });
-    }
-}
-
-impl CcStrip {
-    /// 2^b times the limit position: S + lambda_d (4 sum A + sum D - 5d S), or V + (A + B - 2V)/6 on a rim.
-    fn limit(&self, s: Point, around: Around) -> Point {
-        let (spread, weight) = match around {
-            Around::Rim { neighbours } => (plus(neighbours, -2, s), self.table.sixth()),
-            Around::Ring { valence, neighbours, diagonals } => {
-                (plus(plus(diagonals, 4, neighbours), -5 * valence as i128, s), self.table.lambda(valence))
-            }
-        };
-        std::array::from_fn(|x| (s[x] << self.table.bits()) + spread[x] * i128::from(weight))
+        let three = Three { previous: sides[0], column, next: sides[1] };
+        (self.put)(self.core.finish(self.levels, index as usize, three));
     }
 }

@@ -22,6 +22,7 @@ pub mod control;
 pub mod error_bound;
 pub mod fine_grid;
 pub mod masks;
+pub mod normal_oracle;
 pub mod numbers;
 pub mod oracle;
 pub mod patches;

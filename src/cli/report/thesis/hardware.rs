@@ -51,18 +51,15 @@ pub fn storage(core: &Rc<Module>) -> Vec<Storage> {
         }
         part.bits += 3 * kept.bits();
     }
-    parts.sort_by_key(|part| part.part != "input");
     parts
 }
 
-/// The part that a register belongs to, if it holds the chosen coordinate.
+/// The part that a register belongs to, if it holds the chosen coordinate: a level's window, or the output.
 fn part(kept: &Stored) -> Option<String> {
     let is_axis = |name: &str| name.split('_').any(|word| word == AXIS);
-    match kept.instance.as_str() {
-        "" => is_axis(&kept.name).then(|| "output".into()),
-        instance if !is_axis(instance) => None,
-        instance if instance.starts_with("column") => Some("input".into()),
-        instance => Some(instance.trim_end_matches(AXIS).trim_end_matches('_').replace('_', " ")),
+    match kept.instance.split_once('.') {
+        None => (kept.instance.is_empty() && is_axis(&kept.name)).then(|| "output".into()),
+        Some((engine, window)) => is_axis(engine).then(|| window.replace("window_", "level ")),
     }
 }
 
@@ -73,9 +70,9 @@ fn is_fan(name: &str) -> bool {
     words.windows(2).any(|pair| ["a", "x"].contains(&pair[0]) && pair[1].parse::<u32>().is_ok())
 }
 
-/// One coordinate of the finest level.
+/// One coordinate of the finest level, in a core with a unit for each level.
 pub fn operators(core: &Rc<Module>, levels: u32) -> Result<Operators> {
-    let name = format!("level_{}_{AXIS}", levels - 1);
+    let name = format!("engine_{}_{AXIS}", levels - 1);
     let unit = core.instances.iter().find(|instance| instance.name == name);
     let missing = || Error::usage(format!("{} has no instance {name}", core.name));
     Ok(Operators::of(&unit.ok_or_else(missing)?.module))
@@ -95,7 +92,7 @@ pub fn clocks(core: &Rc<Module>, levels: u32) -> Result<Clocks> {
 fn clocks_of(core: &Rc<Module>, levels: u32, quads: usize) -> Result<(u64, u64)> {
     let dut = device(core, &[], None);
     let hidden = || Error::usage("a strip without guards");
-    let input = words(&dut.input, &regular_strip(quads)).ok_or_else(hidden)?;
+    let input = words(&dut.input, levels, &regular_strip(quads)).ok_or_else(hidden)?;
     let mut model = Model::new(core)?;
     model.reset();
     let (mut waiting, mut first) = (input.iter().peekable(), None);

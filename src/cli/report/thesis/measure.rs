@@ -11,22 +11,28 @@ use serde::Serialize;
 
 use super::hardware::{Clocks, Storage, clocks, operators, storage};
 use super::meshes::{OnMesh, meshes};
-use crate::cores::cc_strip::{Parameters, Precision, build};
+use crate::cores::cc_strip::{Parameters, Precision, Schedule, build};
 use crate::error::Result;
 use crate::fixed::Format;
 use crate::hdl::inventory::Operators;
 use crate::surface::catmull_clark::thesis::Quantity;
 
-/// Everything that was counted.
+/// Everything that was counted; storage and operators of a core with a unit for each level.
 #[derive(Clone, Debug, Serialize)]
 pub struct Measured {
-    /// How the levels share their units in the core that was measured.
-    pub schedule: &'static str,
     pub storage: Vec<Storage>,
     /// Of one coordinate.
     pub operators: Operators,
-    pub clocks: Clocks,
+    pub clocks: BySchedule,
     pub meshes: Vec<OnMesh>,
+}
+
+/// The clocks of a core of each schedule.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct BySchedule {
+    pub shared: Clocks,
+    pub pipelined: Clocks,
+    pub double: Clocks,
 }
 
 impl Measured {
@@ -34,20 +40,19 @@ impl Measured {
     /// A core that does not exist.
     pub fn new(levels: u32, max_valence: u32) -> Result<Measured> {
         let coordinates = Format { integer: 12, fraction: 12 };
-        let parameters = Parameters {
-            coordinates,
-            output_fraction: coordinates.fraction,
-            levels,
-            max_valence,
-            precision: Precision::Guard(4),
-            table_bits: coordinates.width() + 13,
+        let core = |schedule| {
+            let exact = Parameters::exact(coordinates, levels, max_valence);
+            build(Parameters { schedule, precision: Precision::Guard(4), ..exact })
         };
-        let core = build(parameters)?;
+        let pipelined = core(Schedule::Pipelined)?;
         Ok(Measured {
-            schedule: "pipelined",
-            storage: storage(&core),
-            operators: operators(&core, levels)?,
-            clocks: clocks(&core, levels)?,
+            storage: storage(&pipelined),
+            operators: operators(&pipelined, levels)?,
+            clocks: BySchedule {
+                shared: clocks(&core(Schedule::Shared)?, levels)?,
+                pipelined: clocks(&pipelined, levels)?,
+                double: clocks(&core(Schedule::Double)?, levels)?,
+            },
             meshes: meshes()?,
         })
     }
@@ -60,17 +65,16 @@ impl Measured {
     /// The measured number beside a figure of the thesis, where there is one.
     pub fn of(&self, quantity: Quantity) -> Option<f64> {
         let adders = |operands: u32| self.operators.adders.get(&operands).copied().unwrap_or(0) as f64;
-        let of = |schedule| (self.schedule == schedule).then_some(self.clocks.per_column);
         match quantity {
             Quantity::WordsWithFans => self.meshes.last().map(|mesh| mesh.words),
             Quantity::Windows => Some(self.storage.iter().map(|s| s.columns).sum::<u64>() as f64),
             Quantity::Fans => Some(self.storage.iter().map(|s| s.fans).sum::<u64>() as f64),
             Quantity::Storage => Some(self.vertices() as f64),
             Quantity::Bytes => Some(self.storage.iter().map(|s| s.bits).sum::<u64>() as f64 / 8.0),
-            Quantity::ClocksShared => of("shared"),
-            Quantity::ClocksPipelined => of("pipelined"),
-            Quantity::ClocksDouble => of("double"),
-            Quantity::StartUp => Some(self.clocks.start as f64),
+            Quantity::ClocksShared => Some(self.clocks.shared.per_column),
+            Quantity::ClocksPipelined => Some(self.clocks.pipelined.per_column),
+            Quantity::ClocksDouble => Some(self.clocks.double.per_column),
+            Quantity::StartUp => Some(self.clocks.pipelined.start as f64),
             Quantity::FourInputAdders => Some(adders(4)),
             Quantity::ThreeInputAdders => Some(adders(3)),
             Quantity::FanAdders => {
@@ -95,33 +99,25 @@ mod tests {
     use crate::surface::catmull_clark::thesis;
 
     #[test]
-    fn the_clocks_of_one_unit_a_level_are_those_of_the_formula() {
-        for levels in 2..=4 {
-            let measured = Measured::new(levels, 6).unwrap();
-            assert_eq!(
-                measured.of(Quantity::ClocksPipelined),
-                Some(f64::from(1 << levels)),
-                "level {levels}"
-            );
-            assert_eq!(measured.of(Quantity::ClocksShared), None);
-        }
-        // Four words a column come in one by one: the host is the slower one at level 1.
-        assert_eq!(Measured::new(1, 4).unwrap().clocks.per_column, 4.0);
+    fn the_clocks_are_those_of_the_formulas() {
+        let measured = Measured::new(5, 10).unwrap();
+        let clocks = [Quantity::ClocksShared, Quantity::ClocksPipelined, Quantity::ClocksDouble];
+        assert_eq!(clocks.map(|q| measured.of(q)), [62.0, 32.0, 16.0].map(Some));
     }
 
     #[test]
     fn what_is_kept_is_counted_once_for_all_coordinates() {
-        let (levels, valence) = (3, 10);
-        let measured = Measured::new(levels, valence).unwrap();
+        let measured = Measured::new(5, 10).unwrap();
         let part = |name: &str| measured.storage.iter().find(|p| p.part == name).unwrap().clone();
-        // Two vertices with uL and uR, and d-3 neighbours and d-4 diagonals on either side.
-        let input = part("input");
-        assert_eq!((input.columns, input.fans), (6, 2 * (7 + 6)));
-        assert_eq!(input.bits, 3 * 24 * (6 + 26));
-        assert_eq!((part("output").columns, part("output").fans), (9, 0));
-        assert!(part("level 0").columns >= 3 * 2 && part("level 2").columns >= 3 * 5);
-        let columns: u64 = measured.storage.iter().map(|p| p.columns).sum();
-        assert_eq!(measured.of(Quantity::Windows), Some(columns as f64));
+        // Three columns of two vertices, five of uL and uR at each end, two fans of six pairs at each end.
+        let first = part("level 0");
+        assert_eq!((first.columns, first.fans), (3 * 2 + 2 * 5, 2 * 2 * 12));
+        assert_eq!(first.bits, 3 * 24 * (16 + 48));
+        assert_eq!((part("level 4").columns, part("level 4").fans), (3 * 17 + 2 * 5, 2 * 12));
+        assert_eq!((part("output").columns, part("output").fans), (33, 0));
+        assert_eq!(measured.vertices(), 335);
+        let lean = thesis::lean_storage_vertices(5, 10) + thesis::lean_storage_extra(5);
+        assert!(measured.vertices() <= lean, "{lean}");
     }
 
     #[test]

@@ -67,7 +67,6 @@ fn object(args: &Args, figures: &[Figure], measured: &Measured) -> serde_json::V
         "level": args.level,
         "max_valence": args.max_valence,
         "figures": figures.iter().map(figure).collect::<Vec<_>>(),
-        "schedule": measured.schedule,
         "storage": measured.storage,
         "operators": measured.operators,
         "clocks": measured.clocks,

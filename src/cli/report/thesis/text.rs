@@ -5,7 +5,7 @@ use crate::report::table::{Align, Cell, Table, Tone};
 use crate::surface::catmull_clark::thesis::{Figure, operators, operators_printed};
 
 const MEASURED: &str = "\
-  vertices: registers of the core; the outside vertices uL and uR of a column count to it, the rest to the fans
+  vertices: registers of the core with a unit for each level; the outside vertices uL and uR of a column count to it, the rest to the fans
   clocks: a strip of valence 4 in the built-in simulator; before the first column also those of the words of three
     columns, one word a clock
   words: the torus below
@@ -20,13 +20,12 @@ pub fn text(level: u32, valence: u32, figures: &[Figure], measured: &Measured) -
         .map(|f| format!("  {} ({}): {}\n", f.name, f.source, f.note))
         .collect();
     format!(
-        "Level {level}, valences up to {valence}; the generated core in its {} schedule\n\n\
+        "Level {level}, valences up to {valence}\n\n\
          {}\nWhy the printed numbers differ\n\n{}\n\
          How the others were measured\n\n{MEASURED}\n\
          Operators of one coordinate at the finest level, for one column a clock\n\n{}\n\
          What the core keeps\n\n{}\n\
          Meshes: words that are sent, and pointers in software, for each vertex\n\n{}",
-        measured.schedule,
         chapter(figures, measured),
         notes.concat(),
         gates(level, valence, measured),

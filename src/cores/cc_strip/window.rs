@@ -1,0 +1,196 @@
+//! The window of a level, one coordinate: three columns, and what lies outside of them.
+//!
+//! ```text
+//! words or rows ──► next ──► middle ──► previous
+//!
+//! next, middle    rows, and at both ends the outside vertices left and right
+//! previous        rows, and at both ends the one on its right
+//! fan             a_2, x_2, ... at both ends: of two columns at level 0, of one beyond
+//! ```
+//!
+//! A column moves on when the first part of the next one comes; the rest of it only fills `next`. A fan is
+//! needed while its vertex is in the middle. From level 1 on every other column is a face column, whose ends
+//! have valence 4 and one outside vertex, which is left and right; so one fan serves a window.
+
+use std::rc::Rc;
+
+use super::Parameters;
+use super::fan::{End, fan_names};
+use crate::error::Result;
+use crate::hdl::{Builder, Module, Placed, Signal, Word};
+
+/// How columns come into a window.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Producer {
+    /// A word at a time, with a strobe for each place.
+    Words,
+    /// Slices of 2 `cells` + 1 rows, so many for a column.
+    Slices { cells: u32, slices: u32 },
+}
+
+/// Places of a column at level 0 in the order of their names: rows, then at each end left, right, fan.
+pub fn places(parameters: Parameters, level: u32) -> Vec<String> {
+    let mut names: Vec<String> = (0..parameters.rows(level)).map(|k| format!("row_{k}")).collect();
+    names.extend(outside_places(parameters));
+    names
+}
+
+/// What lies outside of both ends of a column.
+pub fn outside_places(parameters: Parameters) -> Vec<String> {
+    End::BOTH.iter().flat_map(|end| end_places(parameters, *end)).collect()
+}
+
+fn end_places(parameters: Parameters, end: End) -> Vec<String> {
+    let places = ["left", "right"].map(String::from).into_iter().chain(fan_names(parameters));
+    places.map(|place| format!("{}_{place}", end.name())).collect()
+}
+
+/// Behind the name of a register that holds a vertex without its guard bits.
+pub const KEPT: &str = "_kept";
+
+/// Inputs: `shift` (the columns move on) and what comes in: for words `word` and `write_..` for each place; for
+/// slices `row_u`, the outside places, `write_p` for slice p, and `fans` where they bring fans.
+/// Outputs: `next_..`, `middle_..`, `previous_..` and `fan_..`.
+pub fn build(parameters: Parameters, level: u32, producer: Producer) -> Result<Rc<Module>> {
+    let m = Builder::new(&format!("level_window_{level}"));
+    m.purpose(format!("One coordinate of three columns of level {level} and of what lies outside of them."));
+    m.parameter("max_valence", parameters.max_valence);
+    m.parameter("precision", format!("{:?}", parameters.precision));
+    // At level 0 the guard bits are zero: they are not kept, but put below the point on the way out.
+    let word = if level == 0 { parameters.input_word() } else { parameters.word(level) };
+    let begin = m.input("shift", Word::bit());
+    let guard = (parameters.word(level).fraction - word.fraction) as u32;
+    let kept = if guard == 0 { "" } else { KEPT };
+    let stage = |stage: &str, place: &str| m.register(format!("{stage}_{place}{kept}"), word);
+    let moved = |to: &Signal, from: &Signal| m.on(&begin, to, from);
+    let put = |name: String, kept: &Signal| match guard {
+        0 => m.output(name, kept),
+        _ => m.output(name, m.rescale(&m.signal(kept << guard), parameters.word(level).fraction)),
+    };
+    let incoming = Incoming::new(&m, parameters, level, producer);
+
+    for place in places(parameters, level) {
+        let is_fan = place.contains("_a_") || place.contains("_x_");
+        let (strobe, value) = incoming.at(&m, &place);
+        if is_fan && level > 0 {
+            let fan = stage("fan", &place);
+            m.on(&strobe, &fan, &value);
+            put(format!("fan_{place}"), &fan);
+            continue;
+        }
+        let next = stage("next", &place);
+        m.on(&strobe, &next, &value);
+        let middle = stage(if is_fan { "fan" } else { "middle" }, &place);
+        moved(&middle, &next);
+        if is_fan {
+            put(format!("fan_{place}"), &middle);
+            continue;
+        }
+        put(format!("next_{place}"), &next);
+        put(format!("middle_{place}"), &middle);
+        if !place.ends_with("_left") {
+            let previous = stage("previous", &place);
+            moved(&previous, &middle);
+            put(format!("previous_{place}"), &previous);
+        }
+    }
+    m.finish()
+}
+
+/// What comes in, and when it belongs to a place.
+enum Incoming {
+    Words { word: Signal },
+    Slices { cells: u32, slices: u32, rows: Vec<Signal>, writes: Vec<Signal>, fans: Signal },
+}
+
+impl Incoming {
+    fn new(m: &Builder, parameters: Parameters, level: u32, producer: Producer) -> Incoming {
+        match producer {
+            Producer::Words => Incoming::Words { word: m.input("word", parameters.input_word()) },
+            Producer::Slices { cells, slices } => {
+                let lanes = parameters.rows(level).min(2 * cells as usize + 1);
+                let row = |u: usize| m.input(format!("row_{u}"), parameters.word(level));
+                let rows = (0..lanes).map(row).collect();
+                let writes = (0..slices).map(|p| m.input(format!("write_{p}"), Word::bit())).collect();
+                Incoming::Slices { cells, slices, rows, writes, fans: m.input("fans", Word::bit()) }
+            }
+        }
+    }
+
+    /// The strobe and the value of a place.
+    fn at(&self, m: &Builder, place: &str) -> (Signal, Signal) {
+        match self {
+            Incoming::Words { word } => (m.input(format!("write_{place}"), Word::bit()), word.clone()),
+            Incoming::Slices { cells, slices, rows, writes, fans } => {
+                if let Some(row) = place.strip_prefix("row_").and_then(|row| row.parse::<u32>().ok()) {
+                    let slice = (row / (2 * cells)).min(slices - 1);
+                    let lane = (row - 2 * cells * slice) as usize;
+                    return (writes[slice as usize].clone(), rows[lane].clone());
+                }
+                let value = m.input(place, rows[0].word());
+                // The top leaves with the first slice, the bottom with the last.
+                let write =
+                    if place.starts_with(End::Top.name()) { &writes[0] } else { &writes[writes.len() - 1] };
+                let is_fan = place.contains("_a_") || place.contains("_x_");
+                let strobe = if is_fan { write & fans } else { write.clone() };
+                (strobe, value)
+            }
+        }
+    }
+}
+
+/// The outputs of a placed window.
+pub struct Columns<'a> {
+    pub level: u32,
+    pub placed: &'a Placed,
+    parameters: Parameters,
+}
+
+/// Columns from left to right.
+pub const STAGES: [&str; 3] = ["previous", "middle", "next"];
+
+impl<'a> Columns<'a> {
+    pub fn new(parameters: Parameters, level: u32, placed: &'a Placed) -> Self {
+        Columns { level, placed, parameters }
+    }
+
+    pub fn rows(&self) -> usize {
+        self.parameters.rows(self.level)
+    }
+
+    /// A row of a column; beyond the ends the outside vertex that its face column there uses. The previous column
+    /// has no face column on its left, so nothing is known above and below it.
+    pub fn row(&self, column: usize, row: i64) -> Option<Signal> {
+        let stage = STAGES[column];
+        if (0..self.rows() as i64).contains(&row) {
+            return Some(self.placed.out(&format!("{stage}_row_{row}")));
+        }
+        let end = match row {
+            -1 => End::Top,
+            _ if row == self.rows() as i64 => End::Bottom,
+            _ => return None,
+        };
+        match column {
+            1 => Some(self.outside(1, end, "right")),
+            2 => Some(self.outside(2, end, "left")),
+            _ => None,
+        }
+    }
+
+    pub fn outside(&self, column: usize, end: End, place: &str) -> Signal {
+        self.placed.out(&format!("{}_{}_{place}", STAGES[column], end.name()))
+    }
+
+    /// The end vertex of a column, `inward` rows into the strip.
+    pub fn end_row(&self, column: usize, end: End, inward: usize) -> Signal {
+        let row = if end == End::Top { inward } else { self.rows() - 1 - inward };
+        self.placed.out(&format!("{}_row_{row}", STAGES[column]))
+    }
+
+    /// a_1, x_2, a_2, ... of the middle column.
+    pub fn fan(&self, end: End) -> Vec<Signal> {
+        let behind = fan_names(self.parameters);
+        let behind = behind.iter().map(|place| self.placed.out(&format!("fan_{}_{place}", end.name())));
+        std::iter::once(self.outside(1, end, "left")).chain(behind).collect()
+    }
+}

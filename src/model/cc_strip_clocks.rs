@@ -1,0 +1,320 @@
+//! How many clocks a `cc-strip` takes, under any stalls: its protocol without its data.
+//!
+//! ```text
+//! words ─► level 0 ─► level 1 ─► ... ─► level L-1 ─► output register ─► consumer
+//!          a level has columns to send; its unit serves the finest of its levels that can
+//! ```
+//!
+//! A core that computes the right columns but needs other clocks than these is wrong. Rules:
+//!
+//! - A word is taken when level 0 has nothing to send, or sends the last of it in this clock.
+//! - Column c of a level (c = 0, 1, ... after the left guard) lets leave a vertex column (c >= 1), then a face
+//!   column; each takes as many clocks as it has slices. A unit of two columns sends both at once, and nothing
+//!   for c = 0.
+//! - A level may send when the one behind it has nothing to send (within a unit), is ready as level 0 is for
+//!   words (between units), or the output register is free (from the level of the strip).
+//! - Guards reach the output too, and are not kept.
+
+use super::cc_strip::schedule::Schedule;
+
+/// What the core is made of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Core {
+    pub levels: u32,
+    pub schedule: Schedule,
+    pub folded: bool,
+    /// Rows in a clock; none for whole columns.
+    pub rows_per_clock: Option<u32>,
+    /// Clocks of the finishing stage behind the finest level's window, where there is one.
+    pub finish: Option<u32>,
+}
+
+/// One strip of the input.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Strip {
+    /// 0 for a strip that is dropped whole.
+    pub level: u32,
+    /// Words of each column, guards included.
+    pub words: Vec<u32>,
+}
+
+/// Clocks from the first one after reset to the last output beat, both counted, for beats of the output. In clock c a waiting
+/// word may be offered if `offer[c % len]`, and then stays offered until it is taken; the output is taken if
+/// `ready[c % len]`.
+pub fn run(core: Core, strips: &[Strip], offer: &[bool], ready: &[bool]) -> u64 {
+    let mut machine = Machine::new(core);
+    let wanted: u64 = strips.iter().map(|strip| machine.beats(strip)).sum();
+    let mut words = strips.iter().flat_map(|strip| {
+        let last = strip.words.len() - 1;
+        strip.words.iter().enumerate().flat_map(move |(column, &count)| {
+            (1..=count).map(move |word| Word {
+                level: strip.level,
+                first: column == 0 && word == 1,
+                guard: column == 0,
+                complete: word == count,
+                last: column == last && word == count,
+            })
+        })
+    });
+    let mut waiting = words.next();
+    let (mut received, mut offering, mut clock) = (0, false, 0u64);
+    while received < wanted {
+        let at = |pattern: &[bool]| pattern[clock as usize % pattern.len()];
+        offering |= waiting.is_some() && at(offer);
+        received += u64::from(machine.output() && at(ready));
+        if machine.clock(waiting.filter(|_| offering), at(ready)) {
+            waiting = words.next();
+            offering = false;
+        }
+        clock += 1;
+    }
+    clock
+}
+
+#[derive(Clone, Copy)]
+struct Word {
+    level: u32,
+    first: bool,
+    /// Of the left guard.
+    guard: bool,
+    complete: bool,
+    last: bool,
+}
+
+/// A column on its way into a level.
+#[derive(Clone, Copy)]
+struct Arrival {
+    first: bool,
+    last: bool,
+}
+
+#[derive(Clone, Copy, Default)]
+struct Level {
+    /// Columns left to send; with two, a vertex column and a face column.
+    columns: u32,
+    age: u32,
+    guarded: bool,
+    slices: u32,
+    double: bool,
+}
+
+impl Level {
+    fn arrives(&mut self, arrival: Arrival) {
+        match (arrival.first, self.age) {
+            (true, _) => self.age = 0,
+            (_, 0) => (self.age, self.columns) = (1, u32::from(!self.double)),
+            _ => (self.age, self.columns) = (2, if self.double { 1 } else { 2 }),
+        }
+        self.guarded = arrival.last;
+    }
+}
+
+struct Machine {
+    core: Core,
+    levels: Vec<Level>,
+    /// The levels of each unit, and the slice it is at with its level.
+    units: Vec<(std::ops::Range<usize>, u32, usize)>,
+    wanted: usize,
+    dropping: bool,
+    /// The finishing stage: whether its window's middle column waits, how old the window is, its pipeline.
+    finishing: (bool, u32),
+    pipeline: Vec<bool>,
+}
+
+impl Machine {
+    fn new(core: Core) -> Machine {
+        let count = core.levels as usize;
+        let alone = match (core.schedule, core.folded) {
+            (Schedule::Shared, _) => 0,
+            (_, false) => count,
+            (Schedule::Pipelined, true) => 1,
+            (Schedule::Double, true) => 2,
+        };
+        let together = count.saturating_sub(alone);
+        let mut units = vec![];
+        if together > 0 {
+            units.push((0..together, 0, 0));
+        }
+        units.extend((together..count).map(|level| (level..level + 1, 0, level)));
+        let mut levels = vec![Level::default(); count];
+        for (range, ..) in &units {
+            let whole = 1u32 << (range.end - 1);
+            let cells = core.rows_per_clock.map_or(whole, |rows| (rows / 2).max(1).min(whole));
+            for level in range.clone() {
+                levels[level].slices = ((1u32 << level) / cells).max(1);
+            }
+        }
+        levels[count - 1].double = core.schedule == Schedule::Double;
+        let pipeline = vec![false; core.finish.unwrap_or(1) as usize];
+        Machine { core, levels, units, wanted: 0, dropping: false, finishing: (false, 0), pipeline }
+    }
+
+    /// Output beats of a strip.
+    fn beats(&self, strip: &Strip) -> u64 {
+        if strip.level == 0 || strip.level > self.core.levels {
+            return 0;
+        }
+        let source = &self.levels[strip.level as usize - 1];
+        let columns = ((strip.words.len() as u64 - 3) << strip.level) + 1;
+        if source.double { columns.div_ceil(2) } else { columns * u64::from(source.slices) }
+    }
+
+    fn output(&self) -> bool {
+        self.pipeline[self.pipeline.len() - 1]
+    }
+
+    /// One clock; returns whether the offered word was taken.
+    fn clock(&mut self, offered: Option<Word>, ready: bool) -> bool {
+        let advance = !self.output() || ready;
+        let output_ready = advance || (self.core.finish.is_some() && !self.finishing.0);
+        // Who sends, from the output backwards; and what that means for the one before.
+        let mut serves: Vec<Option<usize>> = vec![];
+        let mut next_ready = false;
+        for (range, slice, active) in self.units.iter().rev() {
+            let can = |level: &usize| {
+                let target = match *level + 1 {
+                    next if next == self.wanted => output_ready,
+                    next if next == range.end => next_ready,
+                    next => self.levels[next].columns == 0,
+                };
+                self.levels[*level].columns > 0 && target && (*slice == 0 || active == level)
+            };
+            let serve = range.clone().rev().find(can);
+            let first = range.start;
+            let ends = serve == Some(first) && slice + 1 == self.levels[first].slices;
+            next_ready = self.levels[first].columns == 0 || (ends && self.levels[first].columns == 1);
+            serves.push(serve);
+        }
+        serves.reverse();
+        let idle = self.levels.iter().all(|level| level.columns == 0) && !self.finishing.0;
+
+        let word = offered.filter(|word| {
+            let dropped = self.dropping || (word.first && (word.level == 0 || word.level > self.core.levels));
+            let settled = !word.first || word.level as usize == self.wanted || idle;
+            dropped || (next_ready && settled)
+        });
+
+        // The edge.
+        let (mut reaches, mut arrivals) = (None, vec![]);
+        for (unit, serve) in serves.iter().enumerate() {
+            let Some(level) = *serve else { continue };
+            let sender = self.levels[level];
+            let (_, slice, active) = &mut self.units[unit];
+            (*slice, *active) = (*slice + 1, level);
+            let whole = *slice == sender.slices;
+            if whole {
+                *slice = 0;
+                self.levels[level].columns -= 1;
+            }
+            let arrival = Arrival {
+                first: sender.columns == 1 && sender.age == 1,
+                last: sender.columns == 1 && sender.guarded,
+            };
+            if level + 1 == self.wanted {
+                reaches = Some((arrival, whole, sender.double));
+            } else if whole {
+                arrivals.push((level + 1, arrival));
+            }
+        }
+        // A level may take a column in the clock in which it sends its last.
+        for (level, arrival) in arrivals {
+            self.levels[level].arrives(arrival);
+        }
+        self.finish(reaches, advance);
+        if let Some(word) = word {
+            let dropped = self.dropping || (word.first && (word.level == 0 || word.level > self.core.levels));
+            self.dropping = dropped && !word.last;
+            if !dropped {
+                if word.first {
+                    self.wanted = word.level as usize;
+                }
+                if word.complete {
+                    self.levels[0].arrives(Arrival { first: word.guard, last: word.last });
+                }
+            }
+        }
+        word.is_some()
+    }
+
+    /// What the output takes in: kept at once, or finished when the column behind it is there.
+    fn finish(&mut self, reaches: Option<(Arrival, bool, bool)>, advance: bool) {
+        let seen = |(arrival, _, double): (Arrival, bool, bool)| double || !(arrival.first || arrival.last);
+        if self.core.finish.is_none() {
+            if advance {
+                self.pipeline[0] = reaches.is_some_and(seen);
+            }
+            return;
+        }
+        let begins = self.finishing.0 && advance;
+        if advance {
+            self.pipeline.rotate_right(1);
+            self.pipeline[0] = begins;
+        }
+        self.finishing.0 &= !begins;
+        if let Some((arrival, true, _)) = reaches {
+            self.finishing = match (arrival.first, self.finishing.1) {
+                (true, _) => (self.finishing.0, 0),
+                (_, 0) => (self.finishing.0, 1),
+                _ => (true, 2),
+            };
+        }
+    }
+}
+
+/// Clocks for each further column of a strip of the finest level whose vertices all have valence 4, in the
+/// long run.
+pub fn clocks_per_column(core: Core) -> f64 {
+    let clocks = |quads: u32| {
+        let words = std::iter::once(4).chain((0..=quads).map(|_| 4)).chain([4]).collect();
+        run(core, &[Strip { level: core.levels, words }], &[true], &[true])
+    };
+    (clocks(40) - clocks(8)) as f64 / 32.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn core(levels: u32, schedule: Schedule, folded: bool) -> Core {
+        Core { levels, schedule, folded, rows_per_clock: None, finish: None }
+    }
+
+    /// The formulas of the schedules, from the level on where four words take fewer clocks than a column.
+    #[test]
+    fn as_many_clocks_as_the_schedules_say() {
+        for levels in 4..=7 {
+            for schedule in Schedule::ALL {
+                for folded in [false, true] {
+                    let clocks = clocks_per_column(core(levels, schedule, folded));
+                    assert_eq!(clocks, schedule.clocks_per_column(levels) as f64, "{schedule:?} {levels}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn five_levels() {
+        let clocks = Schedule::ALL.map(|schedule| clocks_per_column(core(5, schedule, false)));
+        assert_eq!(clocks, [62.0, 32.0, 16.0]);
+    }
+
+    #[test]
+    fn slices_take_their_clocks() {
+        let sliced = |rows, schedule| {
+            clocks_per_column(Core { rows_per_clock: Some(rows), ..core(5, schedule, false) })
+        };
+        // 2 columns of level 1, 4 of level 2, ..., in slices of 8 rows: 1, 1, 1, 2 and 4 clocks a column.
+        assert_eq!(sliced(8, Schedule::Shared), (2 + 4 + 8 + 2 * 16 + 4 * 32) as f64);
+        assert!(sliced(8, Schedule::Pipelined) < sliced(8, Schedule::Shared));
+    }
+
+    #[test]
+    fn stalls_cost_clocks_and_dropped_strips_cost_their_words() {
+        let core = core(3, Schedule::Pipelined, false);
+        let strip = Strip { level: 2, words: vec![4; 8] };
+        let free = run(core, std::slice::from_ref(&strip), &[true], &[true]);
+        assert!(run(core, std::slice::from_ref(&strip), &[true], &[true, false]) > free);
+        let bad = Strip { level: 4, words: vec![4; 5] };
+        assert_eq!(run(core, &[bad, strip], &[true], &[true]), free + 20);
+    }
+}
