@@ -267,6 +267,30 @@ fn very_small_designs_do_the_same_in_every_simulator() {
     compare(1000, 60, 5);
 }
 
+/// Random operations are no worse to read than those of the cores: no tool finds anything to remark.
+#[test]
+fn random_designs_are_silent() {
+    let tools = [
+        ("verilator", "verilator --lint-only -Wall --top-module TOP"),
+        ("iverilog", "iverilog -g2005 -Wall -o /dev/null -s TOP"),
+    ];
+    for seed in 1..25 {
+        let module = design(seed, 40);
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let files = verilog::print(&module, "a test").unwrap();
+        files.iter().for_each(|file| std::fs::write(folder.path().join(&file.name), &file.text).unwrap());
+        for (tool, command) in tools {
+            if Command::new(tool).arg("-V").output().is_err() {
+                println!("skipped: {tool} is not installed");
+                continue;
+            }
+            let command = command.replace("TOP", &module.name);
+            let said = shell(folder.path(), &format!("{command} *.v 2>&1"));
+            assert_eq!(said, "", "design({seed}, 40)");
+        }
+    }
+}
+
 /// The designs are worth the name: among them is every operation.
 #[test]
 fn the_designs_hold_every_kind_of_cell() {

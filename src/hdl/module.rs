@@ -25,6 +25,13 @@ pub struct MemoryWrite {
     pub data: NodeId,
 }
 
+impl Memory {
+    /// The bits of the address of its last word.
+    pub fn index_width(&self) -> u32 {
+        Range::new(0, i128::from(self.depth.max(1)) - 1).width()
+    }
+}
+
 impl MemoryWrite {
     pub fn nodes_mut(&mut self) -> impl Iterator<Item = &mut NodeId> {
         [&mut self.enable, &mut self.address, &mut self.data].into_iter()

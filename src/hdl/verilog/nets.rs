@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 
 use crate::hdl::cell::{Cell, NodeId};
 use crate::hdl::live::Live;
-use crate::hdl::module::{Direction, Module};
+use crate::hdl::module::{Direction, Memory, Module};
 use crate::hdl::names::Allocator;
 
 /// Bits `low .. low + width` of a net, read as a number.
@@ -213,9 +213,10 @@ impl<'a> Demands<'a> {
         }
         for (memory, _) in module.memories.iter().zip(&live.memories).filter(|(_, live)| **live) {
             if let Some(write) = &memory.write {
-                for id in [write.enable, write.address, write.data] {
+                for id in [write.enable, write.data] {
                     self.read_whole(id, Some(&memory.name));
                 }
+                self.read_index(write.address, memory, Some(&memory.name));
             }
         }
     }
@@ -254,10 +255,10 @@ impl<'a> Demands<'a> {
                     self.read(*of, 0, self.module.node(*of).word.width(), mixed, name);
                 }
             }
-            // The operands are extended to the width of the product.
+            // The operands are extended to the width of the product, or cut: times zero, only one bit is left.
             Cell::Product { left, right } => {
                 for &of in [left, right] {
-                    self.read(of, 0, self.module.node(of).word.width(), true, name);
+                    self.read(of, 0, self.module.node(of).word.width().min(width), true, name);
                 }
             }
             Cell::Logic { operands, .. } => operands.iter().for_each(|&o| self.read_whole(o, name)),
@@ -271,8 +272,8 @@ impl<'a> Demands<'a> {
                 }
                 enable.iter().for_each(|&e| self.read_whole(e, name));
             }
-            Cell::MemoryRead { address, enable, .. } => {
-                self.read_whole(*address, name);
+            Cell::MemoryRead { memory, address, enable } => {
+                self.read_index(*address, &self.module.memories[*memory], name);
                 enable.iter().for_each(|&e| self.read_whole(e, name));
             }
             Cell::Input | Cell::Constant(_) | Cell::InstanceOutput { .. } => {}
@@ -281,6 +282,12 @@ impl<'a> Demands<'a> {
 
     fn read_whole(&mut self, id: NodeId, reader: Option<&str>) {
         self.read(id, 0, self.module.node(id).word.width(), false, reader);
+    }
+
+    /// An index is extended to the bits that the last word needs.
+    fn read_index(&mut self, id: NodeId, memory: &Memory, reader: Option<&str>) {
+        let own = self.module.node(id).word.width();
+        self.read(id, 0, own, own != memory.index_width(), reader);
     }
 
     fn read(&mut self, id: NodeId, low: u32, width: u32, partial: bool, reader: Option<&str>) {

@@ -345,17 +345,20 @@ impl Body<'_> {
             lines.push("always @(posedge aclk) begin".into());
             if let Some(write) = &memory.write {
                 let [enable, data] = [write.enable, write.data].map(|id| self.print.whole(id));
-                let address = self.print.index(write.address);
+                let address = self.print.index(write.address, memory);
                 lines.push(format!("    if ({enable}) {name}[{address}] <= {data};"));
             }
             for id in self.ids().filter(|&id| self.needed(id)) {
-                if let Cell::MemoryRead { memory, address, enable } = self.module.node(id).cell
-                    && memory == index
+                if let Cell::MemoryRead { memory: of, address, enable } = self.module.node(id).cell
+                    && of == index
                 {
                     let condition =
                         enable.map(|e| format!("if ({}) ", self.print.whole(e))).unwrap_or_default();
                     let read = self.nets.name(id).unwrap_or_default();
-                    lines.push(format!("    {condition}{read} <= {name}[{}];", self.print.index(address)));
+                    lines.push(format!(
+                        "    {condition}{read} <= {name}[{}];",
+                        self.print.index(address, memory)
+                    ));
                 }
             }
             lines.push("end".into());

@@ -2,7 +2,7 @@
 
 use super::nets::{Nets, Span};
 use crate::hdl::cell::{Bitwise, Cell, NodeId, Relation};
-use crate::hdl::module::Module;
+use crate::hdl::module::{Memory, Module};
 
 pub struct Printer<'a> {
     pub module: &'a Module,
@@ -109,14 +109,12 @@ impl Printer<'_> {
         }
     }
 
-    /// The node as the index of a memory, which Verilog would take as a negative number if it were signed.
-    pub fn index(&self, id: NodeId) -> String {
-        let text = self.whole(id);
-        if self.is_signed(id, self.module.node(id).word.width()) {
-            format!("$unsigned({})", unwrapped(&text))
-        } else {
-            text
-        }
+    /// The node as an index of the memory, in as many bits as the last word needs. Verilog would take it as a negative
+    /// number if it were signed.
+    pub fn index(&self, id: NodeId, memory: &Memory) -> String {
+        let width = memory.index_width();
+        let text = self.sized(id, width, 0);
+        if self.is_signed(id, width) { format!("$unsigned({})", unwrapped(&text)) } else { text }
     }
 
     /// Whether Verilog takes what [`Printer::sized`] returns as a signed expression: it does where all operands are
