@@ -6,13 +6,13 @@ use super::{
     config::Config,
     output,
     progress::Progress,
-    strip_options::StripUnits,
+    strip_options::{StripOutput, StripUnits},
     values::{FINEST_LEVEL, Numbers, Registers, USUAL_MAX_LEVEL},
 };
 use crate::{
     cores::{cc_strip, loop_fd::Parameters},
     error::Result,
-    fixed::{Format, Fractions, Precision},
+    fixed::{Format, Fractions, Precision, Rounding},
     package,
 };
 use std::path::PathBuf;
@@ -56,12 +56,19 @@ pub struct CcStrip {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=42))]
     pub guard: Option<u32>,
 
+    /// How new vertices are rounded: half-up, half-even, floor or truncate [default: half-up]
+    #[arg(long, value_name = "MODE")]
+    pub rounding: Option<Rounding>,
+
     /// Fraction bits of the table for irregular vertices [default: those of the coordinates and 13]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(8..=52))]
     pub table: Option<u32>,
 
     #[command(flatten)]
     pub unit: StripUnits,
+
+    #[command(flatten)]
+    pub result: StripOutput,
 
     /// Write without the proof; the manifest says so
     #[arg(long)]
@@ -78,15 +85,14 @@ pub struct CcStrip {
 
 impl CcStrip {
     fn parameters(&self) -> cc_strip::Parameters {
-        cc_strip::Parameters {
+        let plain = cc_strip::Parameters {
             output_fraction: self.output_fraction.unwrap_or(self.coordinates.fraction),
             precision: self.guard.map_or(cc_strip::Precision::Exact, cc_strip::Precision::Guard),
+            rounding: self.rounding.unwrap_or(Rounding::HalfUp),
             table_bits: self.table.unwrap_or(self.coordinates.width() + 13),
-            schedule: self.unit.schedule.into(),
-            folded: self.unit.fold,
-            rows_per_clock: self.unit.rows_per_clock,
             ..cc_strip::Parameters::exact(self.coordinates, self.max_level, self.max_valence)
-        }
+        };
+        self.result.on(self.unit.on(plain))
     }
 }
 

@@ -3,13 +3,15 @@
 use serde_json::{Value, json};
 
 use super::{Draft, Package, assemble};
-use crate::cores::cc_strip::proof::{Proof, prove};
-use crate::cores::cc_strip::{Parameters, Precision, Schedule, build, stored_vertices};
+use crate::cores::cc_strip::finish::{Kind, Normals};
+use crate::cores::cc_strip::{Parameters, Precision, Schedule, build, finish_proof, proof, stored_vertices};
 use crate::cosim::device;
-use crate::cosim::strip_bench::{StripBench, protocol};
+use crate::cosim::strip_bench::{StripBench, protocol, reference_parameters};
 use crate::error::Result;
+use crate::fixed::Rounding;
 use crate::hdl::verilog;
 use crate::model::cc_strip_clocks;
+use crate::surface::catmull_clark::error_bound::{Accuracy, error_bound_lsb};
 use crate::surface::catmull_clark::quad_mesh::QuadMesh;
 use crate::surface::catmull_clark::rings::{Boundary, Rings};
 
@@ -21,15 +23,35 @@ pub fn command(parameters: Parameters) -> String {
         Precision::Exact => String::new(),
         Precision::Guard(bits) => format!(" --guard {bits}"),
     };
-    let schedule = match parameters.schedule {
-        Schedule::Pipelined => String::new(),
-        schedule => format!(" --schedule {schedule}"),
-    };
-    let fold = if parameters.folded { " --fold" } else { "" };
-    let rows = parameters.rows_per_clock.map_or(String::new(), |rows| format!(" --rows-per-clock {rows}"));
+    let mut more = guard;
+    if parameters.rounding != Rounding::HalfUp {
+        more += &format!(" --rounding {}", parameters.rounding);
+    }
+    if parameters.schedule != Schedule::Pipelined {
+        more += &format!(" --schedule {}", parameters.schedule);
+    }
+    if parameters.folded {
+        more += " --fold";
+    }
+    if let Some(rows) = parameters.rows_per_clock {
+        more += &format!(" --rows-per-clock {rows}");
+    }
+    if parameters.limit {
+        more += " --limit";
+    }
+    if let Some(Normals { kind, point_fraction, unit }) = parameters.normals {
+        let kind = if kind == Kind::Faces { "faces" } else { "limit" };
+        more += &format!(" --normals {kind} --normal-fraction {point_fraction}");
+        if let Some(bits) = unit {
+            more += &format!(" --unit-normals {bits}");
+        }
+    }
+    if let Some(log_columns) = parameters.longitudinal {
+        more += &format!(" --row-major {log_columns}");
+    }
     format!(
         "subdiv-rtl generate cc-strip --coordinates {coordinates} --output-fraction {output_fraction} \
-         --max-level {levels} --max-valence {max_valence} --table {table_bits}{guard}{schedule}{fold}{rows}"
+         --max-level {levels} --max-valence {max_valence} --table {table_bits}{more}"
     )
 }
 
@@ -39,7 +61,7 @@ pub fn command(parameters: Parameters) -> String {
 /// A core that cannot be built; a refuted proof, which is a [`crate::Kind::Mismatch`].
 pub fn package(parameters: Parameters, prove_it: bool) -> Result<Package> {
     let core = build(parameters)?;
-    let proof = if prove_it { Some(prove(parameters)?) } else { None };
+    let proof = if prove_it { Some(Proofs::of(parameters)?) } else { None };
     let command = command(parameters);
     let sources = verilog::print(&core, &command)?;
     let dut = device(&core, &sources, None);
@@ -77,6 +99,10 @@ fn parameters_json(parameters: Parameters, stored: u64) -> Value {
         "folded": parameters.folded,
         "rows_per_clock": parameters.rows_per_clock,
         "stored_vertices": stored,
+        "positions": if parameters.limit { "limit" } else { "refined" },
+        "normals": parameters.normals.map(|n| format!("{n:?}")),
+        "row_major": parameters.longitudinal.map(|log| 1u32 << log),
+        "error_lsb": { "bound": bound(parameters) },
     })
 }
 
@@ -110,6 +136,12 @@ fn streams(parameters: Parameters) -> Value {
 
 fn beats(parameters: Parameters) -> String {
     let rows = parameters.rows(parameters.levels);
+    if let Some(log) = parameters.longitudinal {
+        return format!(
+            "a vertex: row 0 of up to {} columns from left to right, row 1, ...; tuser 0 ends a row, tuser 1 a chunk",
+            1u32 << log
+        );
+    }
     match (parameters.schedule, parameters.rows_per_clock) {
         (Schedule::Double, _) => format!(
             "columns 0 .. 2^l M of the fine strip, {rows} vertices from top to bottom; at level {} two columns in a beat",
@@ -122,18 +154,47 @@ fn beats(parameters: Parameters) -> String {
     }
 }
 
-fn proofs(proof: Option<&Proof>) -> Value {
-    match proof {
-        Some(proof) => json!({
-            "linear_forms": {
-                "statement": "for all inputs, every vertex of the face and vertex columns of every level is its mask, for every valence, and every claimed range holds",
-                "result": "proved",
-                "levels": proof.levels,
-                "max_valence": proof.max_valence,
-                "vertices": proof.vertices,
-                "claims": proof.claims,
-            },
-        }),
-        None => json!({ "linear_forms": { "result": "not run" } }),
+/// What was proved of the levels, and of the finishing stage.
+struct Proofs {
+    levels: proof::Proof,
+    finish: Option<finish_proof::Proof>,
+}
+
+impl Proofs {
+    fn of(parameters: Parameters) -> Result<Proofs> {
+        let finish = parameters.finish().map(finish_proof::prove).transpose()?;
+        Ok(Proofs { levels: proof::prove(parameters)?, finish })
     }
+}
+
+fn proofs(proof: Option<&Proofs>) -> Value {
+    let Some(Proofs { levels, finish }) = proof else {
+        return json!({ "linear_forms": { "result": "not run" } });
+    };
+    json!({
+        "linear_forms": {
+            "statement": "for all inputs, every vertex of the face and vertex columns of every level is its mask, for every valence, and every claimed range holds",
+            "result": "proved",
+            "levels": levels.levels,
+            "max_valence": levels.max_valence,
+            "vertices": levels.vertices,
+            "claims": levels.claims,
+            "finishing_stage": finish,
+        },
+    })
+}
+
+/// The proven bound on the error of a coordinate that leaves, for a mesh of any valences that the core takes.
+fn bound(parameters: Parameters) -> f64 {
+    let reference = reference_parameters(parameters);
+    error_bound_lsb(&Accuracy {
+        width: reference.width,
+        extra_fraction: reference.extra_fraction,
+        levels: parameters.levels,
+        numbers: reference.numbers,
+        rounding: reference.rounding,
+        table_bits: parameters.table_bits,
+        largest_irregular_valence: Some(parameters.max_valence as usize),
+        limit: parameters.limit,
+    })
 }

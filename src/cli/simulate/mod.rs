@@ -11,13 +11,13 @@ pub use run::is_mismatch;
 
 use super::{
     output::{self, FormatArg},
-    strip_options::StripUnits,
+    strip_options::{StripOutput, StripUnits},
     values::{FINEST_LEVEL, Numbers, Registers, USUAL_MAX_LEVEL},
 };
 use crate::{
     cosim::Stall,
     error::{Error, Result},
-    fixed::{Format, Precision},
+    fixed::{Format, Precision, Rounding},
 };
 use clap::ValueEnum;
 use std::{
@@ -61,6 +61,9 @@ pub struct Args {
     pub units: StripUnits,
 
     #[command(flatten)]
+    pub strip_output: StripOutput,
+
+    #[command(flatten)]
     pub run: Run,
 
     #[command(flatten)]
@@ -86,6 +89,10 @@ pub struct Core {
     /// Catmull-Clark: keep this many more fraction bits on every level [default: 6 a level, exact]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=42))]
     pub guard: Option<u32>,
+
+    /// Catmull-Clark: the largest valence the core is made for, 4 to 16 [default: that of the mesh]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(4..=16))]
+    pub max_valence: Option<u32>,
 
     /// The finest level the core is made for [default: Loop 8, or the level if that is finer; strips the level]
     #[arg(long, value_name = "N", value_parser = level())]
@@ -230,6 +237,10 @@ pub struct Settings {
     /// The most levels of the strip core; nothing: the level.
     pub strip_levels: Option<u32>,
     pub units: StripUnits,
+    pub strip_output: StripOutput,
+    /// The largest valence of the strip core; nothing: that of the mesh.
+    pub max_valence: Option<u32>,
+    pub rounding: Option<Rounding>,
     pub simulators: Simulators,
     pub back_pressure: Stall,
     pub input_gaps: Stall,
@@ -299,11 +310,17 @@ impl Args {
             let what = format!("level {} of a core that begins at level {}", self.level, self.core.min_level);
             return Err(Error::usage(what).help("raise --level or lower --min-level"));
         }
-        let precision = self.core.numbers.precision()?;
-        if self.scheme == Scheme::CatmullClark && precision != Precision::Exact {
-            return Err(Error::usage("fraction bits of differences, of which strips have none")
-                .help("with --scheme catmull-clark, give --guard N"));
-        }
+        let precision = match self.scheme {
+            Scheme::Loop => self.core.numbers.precision()?,
+            // The rounding is that of new vertices; nothing else is meant for strips.
+            Scheme::CatmullClark if Numbers { rounding: None, ..self.core.numbers } == Numbers::default() => {
+                Precision::Exact
+            }
+            Scheme::CatmullClark => {
+                return Err(Error::usage("fraction bits of differences, of which strips have none")
+                    .help("with --scheme catmull-clark, give --guard N"));
+            }
+        };
         let fine_mesh = self.keep.output.clone();
         for file in [&fine_mesh, &self.keep.picture, &self.keep.vcd].into_iter().flatten() {
             in_a_folder(file)?;
@@ -330,6 +347,9 @@ impl Args {
             guard: self.core.guard,
             strip_levels: self.core.max_level,
             units: self.units.clone(),
+            strip_output: self.strip_output.clone(),
+            max_valence: self.core.max_valence,
+            rounding: self.core.numbers.rounding,
             simulators: simulators(&self.run.simulator)?,
             back_pressure: self.run.back_pressure,
             input_gaps: self.run.input_gaps,

@@ -13,7 +13,7 @@ use crate::cores::cc_strip::{Parameters, Precision, build};
 use crate::cosim::strip_bench::{StripBench, reference_parameters};
 use crate::cosim::{Outcome, device};
 use crate::error::{Error, Kind, Result};
-use crate::fixed::Format;
+use crate::fixed::{Format, Rounding};
 use crate::hdl::verilog;
 use crate::mesh::{self, FineMesh, Mesh};
 use crate::package;
@@ -63,19 +63,14 @@ pub fn run(settings: &Settings) -> Result<()> {
     // Ghosts may lie outside of the coordinates' range; the core has the integer bits for them.
     let more = rings.width().saturating_sub(wanted.width());
     let coordinates = Format { integer: wanted.integer + more, ..wanted };
-    let parameters = Parameters {
+    let max_valence = settings.max_valence.unwrap_or(rings.largest_valence().max(4) as u32);
+    let plain = Parameters {
         output_fraction: settings.output_fraction.unwrap_or(coordinates.fraction),
         precision: settings.guard.map_or(Precision::Exact, Precision::Guard),
-        schedule: settings.units.schedule.into(),
-        folded: settings.units.fold,
-        rows_per_clock: settings.units.rows_per_clock,
-        ..Parameters::exact(
-            coordinates,
-            settings.strip_levels.unwrap_or(settings.level),
-            rings.largest_valence().max(4) as u32,
-        )
-    }
-    .check()?;
+        rounding: settings.rounding.unwrap_or(Rounding::HalfUp),
+        ..Parameters::exact(coordinates, settings.strip_levels.unwrap_or(settings.level), max_valence)
+    };
+    let parameters = settings.strip_output.on(settings.units.on(plain)).check()?;
 
     let core = build(parameters)?;
     let mut bench = StripBench::new(&core, parameters, settings.level, &quads, &rings)?;
@@ -88,8 +83,8 @@ pub fn run(settings: &Settings) -> Result<()> {
     let oracle = QuadOracle::new(&quads, settings.level, boundary.corners())?;
     let reference = reference_parameters(parameters);
     let positions = drawn.positions();
-    let error =
-        positions.as_ref().map(|p| oracle.error(p, Target::Refined, reference.extra_fraction)).transpose()?;
+    let target = if parameters.limit { Target::Limit } else { Target::Refined };
+    let error = positions.as_ref().map(|p| oracle.error(p, target, reference.extra_fraction)).transpose()?;
     let accuracy = Accuracy {
         width: coordinates.width(),
         extra_fraction: reference.extra_fraction,
@@ -98,7 +93,7 @@ pub fn run(settings: &Settings) -> Result<()> {
         rounding: reference.rounding,
         table_bits: parameters.table_bits,
         largest_irregular_valence: quads.largest_irregular_valence(),
-        limit: false,
+        limit: parameters.limit,
     };
     let found = Found {
         settings,
