@@ -51,6 +51,7 @@ pub fn storage(core: &Rc<Module>) -> Vec<Storage> {
         }
         part.bits += 3 * kept.bits();
     }
+    parts.sort_by_key(|part| part.part == "output");
     parts
 }
 

@@ -1,15 +1,17 @@
 //! The report as tables.
 
+use super::hardware::Storage;
 use super::measure::Measured;
 use crate::report::table::{Align, Cell, Table, Tone};
 use crate::surface::catmull_clark::thesis::{Figure, operators, operators_printed};
 
-const MEASURED: &str = "\
-  vertices: registers of the core with a unit for each level; the outside vertices uL and uR of a column count to it, the rest to the fans
-  clocks: a strip of valence 4 in the built-in simulator; before the first column also those of the words of three
-    columns, one word a clock
-  words: the torus below
-";
+const MEASURED: [&str; 5] = [
+    "vertices: registers of the core with a unit for each level; the outside vertices uL and uR of a column",
+    "  count as columns, what else lies around as fans",
+    "clocks: strips of valence 4 in the built-in simulator; before the first column from the first word on, of",
+    "  the twelve words of three columns",
+    "words: the last mesh below",
+];
 
 /// The whole report.
 pub fn text(level: u32, valence: u32, figures: &[Figure], measured: &Measured) -> String {
@@ -17,12 +19,13 @@ pub fn text(level: u32, valence: u32, figures: &[Figure], measured: &Measured) -
     let notes: Vec<String> = figures
         .iter()
         .filter(differs)
-        .map(|f| format!("  {} ({}): {}\n", f.name, f.source, f.note))
+        .map(|f| format!("  {} ({}): {}\n", f.name, f.source.trim_matches(['(', ')']), f.note))
         .collect();
+    let how: String = MEASURED.iter().map(|line| format!("  {line}\n")).collect();
     format!(
         "Level {level}, valences up to {valence}\n\n\
          {}\nWhy the printed numbers differ\n\n{}\n\
-         How the others were measured\n\n{MEASURED}\n\
+         How the rest was measured\n\n{how}\n\
          Operators of one coordinate at the finest level, for one column a clock\n\n{}\n\
          What the core keeps\n\n{}\n\
          Meshes: words that are sent, and pointers in software, for each vertex\n\n{}",
@@ -112,7 +115,13 @@ fn storage(measured: &Measured) -> Table {
         ("vertices", Align::Right),
         ("bits", Align::Right),
     ]);
-    for part in &measured.storage {
+    let all = measured.storage.iter().fold(Storage::default(), |all, part| Storage {
+        part: "all".into(),
+        columns: all.columns + part.columns,
+        fans: all.fans + part.fans,
+        bits: all.bits + part.bits,
+    });
+    for part in measured.storage.iter().chain([&all]) {
         let numbers = [part.columns, part.fans, part.columns + part.fans, part.bits].map(|n| n.to_string());
         let [columns, fans, vertices, bits] = &numbers;
         table.row([part.part.as_str(), columns, fans, vertices, bits]);
