@@ -49,31 +49,106 @@ fn sources() -> Vec<Vec<String>> {
     sources
 }
 
+/// The stalls that every mesh goes through: none, and some on both sides.
+const STALLS: [&[&str]; 2] = [&[], &["--back-pressure", "random:40", "--input-gaps", "bursts"]];
+
+fn have(tools: &[[&str; 2]]) -> bool {
+    let missing = tools.iter().find(|[tool, question]| Command::new(tool).arg(question).output().is_err());
+    if let Some([tool, _]) = missing {
+        println!("skipped: {tool} is not installed");
+    }
+    missing.is_none()
+}
+
+const VERILATOR: [&str; 2] = ["verilator", "--version"];
+const ICARUS: [&str; 2] = ["iverilog", "-V"];
+
+/// One core of level 5 at all its levels, in the built-in simulator and in Verilator.
 #[test]
-fn every_quad_mesh_in_the_built_in_simulator() {
+fn every_quad_mesh_at_every_level_of_one_core() {
+    let simulators = if have(&[VERILATOR]) { "builtin,verilator" } else { "builtin" };
+    let core = ["--max-level", "5", "--max-valence", "10", "--coordinates", "Q3.12"];
     for source in sources() {
-        for level in 1..=4 {
-            check(&source, level, &[]);
-            check(
-                &source,
-                level,
-                &["--guard", "5", "--back-pressure", "random:40", "--input-gaps", "bursts"],
-            );
+        for level in 1..=5 {
+            for stalls in STALLS {
+                check(&source, level, &[&core[..], stalls, &["--simulator", simulators]].concat());
+            }
+        }
+    }
+}
+
+/// A core of its own for every level, in Icarus: the meshes by turns, so that two tests share the work.
+fn in_icarus(turn: usize) {
+    if !have(&[ICARUS]) {
+        return;
+    }
+    for source in sources().into_iter().skip(turn).step_by(2) {
+        for level in 1..=5 {
+            for stalls in STALLS {
+                let core = ["--coordinates", "Q3.12", "--simulator", "icarus"];
+                check(&source, level, &[&core[..], stalls].concat());
+            }
         }
     }
 }
 
 #[test]
-fn small_strips_in_every_simulator() {
-    for (tool, question) in [("verilator", "--version"), ("iverilog", "-V")] {
-        if Command::new(tool).arg(question).output().is_err() {
-            println!("skipped: {tool} is not installed");
-            return;
+fn every_quad_mesh_in_icarus() {
+    in_icarus(0);
+}
+
+#[test]
+fn every_other_quad_mesh_in_icarus() {
+    in_icarus(1);
+}
+
+/// Every schedule, slices, guard bits and their rounding, limit positions, normals, and rows along the strip.
+#[test]
+fn every_kind_of_core_in_every_simulator() {
+    if !have(&[VERILATOR, ICARUS]) {
+        return;
+    }
+    let kinds = [
+        "--schedule shared",
+        "--schedule shared --rows-per-clock 2 --guard 4",
+        "--fold --guard 5 --rounding half-even",
+        "--schedule double --fold --guard 3 --rounding floor",
+        "--rows-per-clock 4 --guard 6 --rounding truncate",
+        "--limit",
+        "--limit --normals limit --unit-normals 14 --guard 6",
+        "--normals faces --schedule shared",
+        "--row-major 3",
+    ];
+    let core = ["--max-level", "3", "--max-valence", "10", "--coordinates", "Q3.12", "--simulator", "all"];
+    for kind in kinds {
+        let kind: Vec<&str> = kind.split(' ').collect();
+        for (source, level, stalls) in [("blob-quads", 3, STALLS[1]), ("cube-quads", 2, STALLS[0])] {
+            let source = ["--shape".to_string(), source.to_string()];
+            let result = simulate(&source, level, &[&core[..], &kind, stalls].concat());
+            assert_eq!((&result["cracks"], &result["missing"]), (&0.into(), &0.into()), "{kind:?}");
+            let simulators = result["simulators"].as_array().expect("a list");
+            assert_eq!(simulators.len(), 3);
+            assert!(simulators.iter().all(|s| s["mismatches"] == 0), "{kind:?}: {result}");
         }
     }
-    for (shape, level) in [("cube-quads", 1), ("blob-quads", 2), ("square-quads", 2)] {
-        let source = ["--shape".to_string(), shape.to_string()];
-        check(&source, level, &["--simulator", "all"]);
-        check(&source, level, &["--simulator", "all", "--guard", "4", "--back-pressure", "one-in-3"]);
+}
+
+/// The mesh that the wildest valences are tested on has them.
+#[test]
+fn the_blob_has_valences_three_to_nine_and_neighbours_of_valence_three() {
+    let mesh = subdiv_rtl::mesh::shape("blob-quads").expect("a shape");
+    let mut valence = vec![0; mesh.positions.len()];
+    let mut edges = std::collections::BTreeSet::new();
+    for face in &mesh.faces {
+        for (at, &a) in face.iter().enumerate() {
+            let b = face[(at + 1) % face.len()];
+            edges.insert((a.min(b), a.max(b)));
+        }
     }
+    for &(a, b) in &edges {
+        valence[a as usize] += 1;
+        valence[b as usize] += 1;
+    }
+    assert!((3..=9).all(|d| valence.contains(&d)));
+    assert!(edges.iter().any(|&(a, b)| valence[a as usize] == 3 && valence[b as usize] == 3));
 }
