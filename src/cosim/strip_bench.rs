@@ -146,7 +146,7 @@ pub fn protocol(core: &Module, parameters: Parameters) -> cc_strip_clocks::Core 
 }
 
 /// The words of a strip, column by column.
-fn traffic(level: u32, words: &[Beat]) -> cc_strip_clocks::Strip {
+pub fn traffic(level: u32, words: &[Beat]) -> cc_strip_clocks::Strip {
     let ends: Vec<usize> =
         (0..words.len()).filter(|&at| words[at].user >> 7 & 1 == 1).map(|at| at + 1).collect();
     let starts = std::iter::once(0).chain(ends.iter().copied());

@@ -14,6 +14,8 @@
 //! - A level may send when the one behind it has nothing to send (within a unit), is ready as level 0 is for
 //!   words (between units), or the output register is free (from the level of the strip).
 //! - Guards reach the output too, and are not kept.
+//! - A strip of another level than the one before waits until no level has anything to send, and the finishing
+//!   stage is empty.
 
 use super::cc_strip::schedule::Schedule;
 
@@ -186,7 +188,9 @@ impl Machine {
             serves.push(serve);
         }
         serves.reverse();
-        let idle = self.levels.iter().all(|level| level.columns == 0) && !self.finishing.0;
+        // The finishing stage looks at the level all the way through.
+        let stage = self.core.finish.is_some() && (self.finishing.0 || self.pipeline.contains(&true));
+        let idle = self.levels.iter().all(|level| level.columns == 0) && !stage;
 
         let word = offered.filter(|word| {
             let dropped = self.dropping || (word.first && (word.level == 0 || word.level > self.core.levels));
