@@ -227,7 +227,7 @@ impl Builder {
                 // A negative number is lifted by just less than a unit, so that its floor is its ceiling.
                 let negative = self.slice(&of, word.width() - 1, 1);
                 let point = |value| self.constant(value, Word { range: Range::point(value), ..word });
-                let lift = self.select(&negative, &point(2 * half - 1), &point(0));
+                let lift = self.select(&negative, point(2 * half - 1), point(0));
                 self.signal(&of + &lift)
             }
         };

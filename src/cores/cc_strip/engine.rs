@@ -149,7 +149,7 @@ pub fn build(parameters: Parameters, index: usize, groups: &[Group]) -> Result<R
 
 /// The number in a word that holds it.
 fn fit(m: &Builder, signal: &Signal, word: Word) -> Signal {
-    if signal.word() == word { signal.clone() } else { m.wrap(&m.rescale(signal, word.fraction), word) }
+    if signal.word() == word { signal.clone() } else { m.wrap(m.rescale(signal, word.fraction), word) }
 }
 
 /// What goes into a window within a group.
@@ -330,7 +330,7 @@ impl Unit<'_> {
             let k = u / 2;
             let row = match (k, &first) {
                 (0, None) => top.vertex.clone(),
-                (0, Some(first)) => m.select(first, &top.vertex, &placed.out("vertex_0")),
+                (0, Some(first)) => m.select(first, &top.vertex, placed.out("vertex_0")),
                 _ if k == self.cells() => bottom.vertex.clone(),
                 _ => placed.out(&format!("vertex_{k}")),
             };

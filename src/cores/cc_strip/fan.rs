@@ -102,7 +102,7 @@ pub fn build(parameters: Parameters, level: u32) -> Result<Rc<Module>> {
         let fine = m.rescale(sum, word.fraction + 6 + more as i32);
         m.round(&fine, parameters.drop() + more, parameters.rounding)
     };
-    let put = |name: String, sum: &Signal| m.output(name.clone(), m.wire(name, &round(sum, 0)));
+    let put = |name: String, sum: &Signal| m.output(name.clone(), m.wire(name, round(sum, 0)));
 
     // The ring over the outside: a_0 is left, a_{d-2} is right; x_i lies between a_{i-1} and a_i.
     let mut spokes = m
@@ -131,7 +131,7 @@ pub fn build(parameters: Parameters, level: u32) -> Result<Rc<Module>> {
         spokes = m.wire(format!("spokes_{i}"), &spokes + &m.select(&present, &more, &none));
     }
     let replaced = replacement(&m, parameters, level, centre, &spokes, &valence);
-    m.output("vertex", m.wire("vertex", &round(&replaced, parameters.replacement_bits())));
+    m.output("vertex", m.wire("vertex", round(&replaced, parameters.replacement_bits())));
 
     // With valence 3 there is no outside neighbour; the neighbouring columns use the edges to each other.
     let edge = |w: &Signal, around: [&Signal; 4]| -> Sum {

@@ -189,7 +189,8 @@ impl<'a> Output<'a> {
         let widest = standing.vertices.iter().flat_map(|v| v.coordinates.iter().map(Signal::width)).max();
         let width = widest.unwrap_or(1).next_multiple_of(8);
         let bytes = 3 * width as usize / 8;
-        let (mut lanes, mut keeps): (Vec<(String, Signal)>, Vec<(String, Signal)>) = (vec![], vec![]);
+        let mut lanes: Vec<(String, Signal)> = vec![];
+        let mut keeps: Vec<(String, Signal)> = vec![];
         let always = m.bit(true);
         for vertex in &standing.vertices {
             for (axis, coordinate) in AXES.iter().zip(&vertex.coordinates) {

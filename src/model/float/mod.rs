@@ -161,8 +161,9 @@ fn columns<F: Float>(level: u32, points: &[F; 12]) -> Vec<Vec<F>> {
         }
         columns.push(column);
         for k in 0..4 {
-            for l in 0..=3 - k {
-                outer[k][l] = outer[k][l].plus(outer[k + 1][l]);
+            let higher = outer[k + 1];
+            for (difference, next) in outer[k][..=3 - k].iter_mut().zip(higher) {
+                *difference = difference.plus(next);
             }
         }
     }

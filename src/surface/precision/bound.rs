@@ -131,7 +131,7 @@ pub(super) fn add_error(fractions: Fractions, rounding: Rounding, order: usize, 
     }
     let half = half_unit(fractions, order);
     // 2^-dropped units; at least a unit of the highest order, which is 2 here.
-    let last = 2 * half >> dropped;
+    let last = (2 * half) >> dropped;
     match rounding {
         Rounding::HalfUp | Rounding::Exact => [half, half - last],
         Rounding::HalfEven => [half, half],
