@@ -1,0 +1,200 @@
+//! Design points of `loop-fd`: what they mean for the mesh, the reference and the core.
+//!
+//! ```text
+//!   mesh, coordinates, level ─► Stage: control mesh, numbers of all vertices of all patches, true positions
+//!   Stage, design ─► reference ─► every vertex of every patch ─► Tally
+//!   design ─► Parameters ─► the core                    design, largest valence ─► bound
+//! ```
+
+use super::meshes::Subject;
+use super::point::{Design, Precision};
+use super::tally::{Tally, Truth};
+use crate::cores::loop_fd::Parameters;
+use crate::error::{Error, Result};
+use crate::fixed::{Format, Rounding};
+use crate::mesh;
+use crate::model::loop_fd::{LoopFd, direct};
+use crate::model::render::render;
+use crate::surface::control_mesh::ControlMesh;
+use crate::surface::error_bound::{Accuracy, error_bound_lsb};
+use crate::surface::fine_grid::FineGrid;
+use crate::surface::limit_oracle::{FRACTION, LimitOracle};
+use crate::surface::packets;
+use crate::surface::table::Table;
+
+/// What all points of one mesh, coordinate format and level share.
+pub struct Stage {
+    pub control: ControlMesh,
+    level: u32,
+    truth: Truth,
+    /// The number of every vertex of every patch, in the order of the reference.
+    vertices: Vec<u32>,
+}
+
+/// The most vertices of all patches together: some 100 bytes each.
+const MOST_VERTICES: usize = 1 << 25;
+
+impl Stage {
+    /// # Errors
+    /// A mesh that the format does not hold or the scheme is not defined on; one that becomes too fine.
+    pub fn new(subject: &Subject, coordinates: Format, level: u32) -> Result<Stage> {
+        let quantised = mesh::quantise(&subject.mesh, coordinates)?;
+        let control = ControlMesh::new(quantised.positions, subject.mesh.triangles()?)?;
+        let oracle_vertices = FineGrid::new(&control, level)?.vertex_count();
+        if control.triangles().len() * LoopFd::vertex_count(level) > MOST_VERTICES {
+            return Err(Error::input(format!("level {level} makes {oracle_vertices} vertices of this mesh"))
+                .at(subject.mesh.place())
+                .help("explore at a lower level: the formats are judged by it just as well"));
+        }
+        let oracle = LimitOracle::new(&control, level)?;
+        // The output has the fraction of the coordinates.
+        let limits = (0..oracle_vertices).map(|v| oracle.limit12(v));
+        let uncertainty = match control.largest_irregular_valence() {
+            None => 0.0,
+            Some(_) => f64::from(level + 1) * (-f64::from(FRACTION)).exp2(),
+        };
+        let truth = Truth::new(limits, 12 << FRACTION, uncertainty);
+        let vertices = numbers(&control, level)?;
+        Ok(Stage { control, level, truth, vertices })
+    }
+
+    pub fn uncertainty(&self) -> f64 {
+        self.truth.uncertainty
+    }
+
+    /// Every vertex that the core puts out for this mesh.
+    ///
+    /// # Errors
+    /// A design that the reference does not support.
+    pub fn measure(&self, design: &Design) -> Result<Tally<'_>> {
+        let core = reference(design)?;
+        let mut rendered = vec![];
+        render(&self.control, self.level, &core, &Table::new(design.table)?, &mut rendered)?;
+        let mut tally = Tally::new(&self.truth);
+        for (&vertex, &position) in self.vertices.iter().zip(&rendered) {
+            tally.put(vertex as usize, position);
+        }
+        Ok(tally)
+    }
+
+    /// No vertex of this mesh is farther from the limit surface, in output units.
+    pub fn bound(&self, design: &Design) -> f64 {
+        error_bound_lsb(&Accuracy {
+            width: design.coordinates.width(),
+            extra_fraction: 0,
+            level: self.level,
+            table_bits: design.table,
+            largest_irregular_valence: self.control.largest_irregular_valence(),
+        })
+    }
+}
+
+/// The numbers of the vertices of all patches: column i = 0..n, in each j = 0..n-i.
+fn numbers(control: &ControlMesh, level: u32) -> Result<Vec<u32>> {
+    let grid = FineGrid::new(control, level)?;
+    let mut vertices = vec![];
+    packets::patches(control, level, level, &Table::for_width(control.width())?, |patch| {
+        let n = patch.steps();
+        for (i, j) in (0..=n).flat_map(|i| (0..=n - i).map(move |j| (i, j))) {
+            let [u, v] = patch.lattice(i, j);
+            vertices.push(grid.vertex(patch.face as usize, u as usize, v as usize) as u32);
+        }
+    })?;
+    Ok(vertices)
+}
+
+fn reference(design: &Design) -> Result<LoopFd> {
+    LoopFd::new(design.coordinates.width(), 0, design.level)
+}
+
+/// The core of a design.
+///
+/// # Errors
+/// A design that no core has.
+pub fn parameters(design: &Design) -> Result<Parameters> {
+    let refuse = |what: String, help: &str| Err(Error::usage(what).help(help));
+    match design.precision {
+        Precision::Exact if design.rounding == Rounding::HalfUp => {}
+        Precision::Exact => {
+            return refuse(
+                format!("the exact format rounds {}", design.rounding),
+                "it rounds once, half up: use --rounding half-up",
+            );
+        }
+        Precision::Guard(_) => {
+            return refuse("guard bits in Loop's scheme".into(), "guard bits are for --scheme catmull-clark");
+        }
+        Precision::Uniform(_) | Precision::Progressive(_) => {
+            return refuse(format!("a core with {} fraction bits", design.precision), "use the exact format");
+        }
+    }
+    Table::new(design.table)?;
+    Parameters::new(design.coordinates, design.coordinates.fraction, design.level, design.registers)
+}
+
+/// The largest error over control points that are made to be the worst, in output units.
+///
+/// The exact format rounds once, so the worst is a tie: P0 = 6 alone puts the first corner at 6/12.
+///
+/// # Errors
+/// As [`parameters`].
+pub fn worst(design: &Design) -> Result<Option<f64>> {
+    let core = reference(design)?;
+    let mut points = [[0i128; 3]; 12];
+    points[0] = [6; 3];
+    let found = direct::vertex(&core, design.level, &points, 0, 0);
+    Ok(Some((found[0] as f64 - 0.5).abs()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cores::loop_fd::RegisterForm;
+    use crate::explore::point::{Origin, Scheme};
+    use crate::surface::assembly::Assembly;
+
+    fn design(level: u32) -> Design {
+        let coordinates = Format { integer: 2, fraction: 14 };
+        Design {
+            scheme: Scheme::Loop,
+            coordinates,
+            level,
+            precision: Precision::Exact,
+            table: Design::usual_table(Scheme::Loop, coordinates),
+            rounding: Rounding::HalfUp,
+            registers: RegisterForm::Minimal20,
+        }
+    }
+
+    #[test]
+    fn the_tally_says_what_the_oracle_and_the_assembly_say() {
+        let subject = Subject::load(&Origin::Shape("blob".into()), false).unwrap();
+        let design = design(3);
+        let stage = Stage::new(&subject, design.coordinates, 3).unwrap();
+        let tally = stage.measure(&design).unwrap();
+        assert_eq!(tally.missing(), 0);
+
+        // The slow way: patch by patch, each vertex by its own division.
+        let core = reference(&design).unwrap();
+        let mut assembly = Assembly::new(FineGrid::new(&stage.control, 3).unwrap());
+        packets::patches(&stage.control, 3, 3, &Table::new(design.table).unwrap(), |patch| {
+            let n = patch.steps() as u32;
+            for (i, j) in (0..=n).flat_map(|i| (0..=n - i).map(move |j| (i, j))) {
+                let vertex = direct::vertex(&core, patch.level, &patch.points, i, j);
+                assembly.put(patch, i as usize, j as usize, vertex);
+            }
+        })
+        .unwrap();
+        let oracle = LimitOracle::new(&stage.control, 3).unwrap();
+        let expected = oracle.error(&assembly.positions().unwrap(), 0).unwrap();
+        let errors = tally.errors();
+        assert!((errors.max - expected.max).abs() < 1e-14, "{} {}", errors.max, expected.max);
+        assert!((errors.rms - expected.rms).abs() < 1e-14);
+        assert_eq!((tally.cracks().count, assembly.cracks()), (0, 0));
+    }
+
+    #[test]
+    fn the_worst_case_of_the_exact_format_is_its_bound() {
+        assert_eq!(worst(&design(4)).unwrap(), Some(0.5));
+    }
+}
