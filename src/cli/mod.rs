@@ -13,6 +13,7 @@
 pub mod completions;
 pub mod config;
 pub mod doctor;
+pub mod explore;
 mod failure;
 pub mod generate;
 pub mod output;
@@ -69,6 +70,7 @@ struct Cli {
 enum Command {
     Simulate(Box<simulate::Args>),
     Generate(Box<generate::Args>),
+    Explore(Box<explore::Args>),
     Shapes(shapes::Args),
     Doctor(doctor::Args),
     Completions(completions::Args),
@@ -79,6 +81,7 @@ impl Command {
     fn format(&self) -> Format {
         match self {
             Command::Simulate(args) => args.format.format,
+            Command::Explore(args) => args.format(),
             Command::Shapes(args) => args.format.format,
             Command::Doctor(args) => args.format.format,
             Command::Generate(_) | Command::Completions(_) => Format::Text,
@@ -89,6 +92,7 @@ impl Command {
         match self {
             Command::Simulate(args) => simulate::run(args),
             Command::Generate(args) => generate::run(args),
+            Command::Explore(args) => explore::run(args),
             Command::Shapes(args) => shapes::run(args),
             Command::Doctor(args) => doctor::run(args),
             Command::Completions(args) => completions::run(args),

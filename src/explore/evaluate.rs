@@ -131,6 +131,17 @@ impl Evaluator {
         })
     }
 
+    /// The proven bound alone, in units of the output's last place.
+    ///
+    /// # Errors
+    /// As [`Evaluator::evaluate`].
+    pub fn bound(&self, point: &Point) -> Result<f64> {
+        match &*self.stage(point)? {
+            Stage::Loop(stage) => Ok(stage.bound(&point.design)),
+            Stage::Strips(stage) => stage.bound(&point.design),
+        }
+    }
+
     fn core(&self, stage: &Stage, design: &Design, command: &str) -> Result<(Cost, Option<Synthesis>)> {
         let core = match stage {
             Stage::Loop(_) => cores::loop_fd::build(loop_fd::parameters(design)?)?,

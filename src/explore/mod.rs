@@ -22,6 +22,8 @@ pub mod point;
 pub mod ranges;
 pub mod record;
 pub mod run;
+pub mod search;
 pub mod shard;
+pub mod snakemake;
 pub mod synth;
 pub mod tally;

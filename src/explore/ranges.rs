@@ -51,8 +51,8 @@ impl FromStr for Numbers {
     }
 }
 
-/// Five lists, one for each order of differences, with slashes between them: `7/10..12/15/18/18`; one number for
-/// each combination that does not fall: F0 <= F1 <= ... <= F4.
+/// Five numbers or ranges, one for each order of differences: `7,10..12,15,18,18`; every combination that does not
+/// fall: F0 <= F1 <= ... <= F4.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Fractions(Vec<[u32; 5]>);
 
@@ -67,9 +67,9 @@ impl FromStr for Fractions {
 
     fn from_str(text: &str) -> Result<Self> {
         let refuse = |what: String| {
-            Error::usage(what).help("write five lists with slashes between them, for example 7/11/15/18/18")
+            Error::usage(what).help("write five numbers or ranges, for example 7,10..12,15,18,18")
         };
-        let lists = text.split('/').map(Numbers::from_str).collect::<Result<Vec<_>>>()?;
+        let lists = text.split(',').map(Numbers::from_str).collect::<Result<Vec<_>>>()?;
         let lists: [Numbers; 5] =
             lists.try_into().map_err(|_| refuse(format!("'{text}' does not have five orders")))?;
         if lists.iter().map(|list| list.0.len()).product::<usize>() > MOST * MOST {
@@ -112,9 +112,9 @@ mod tests {
     #[test]
     fn orders_never_fall() {
         let values = |text: &str| text.parse::<Fractions>().unwrap().0;
-        assert_eq!(values("7/11/15/18/18"), [[7, 11, 15, 18, 18]]);
-        assert_eq!(values("1..2/1..2/2/2/3").len(), 3);
-        for bad in ["1/2/3", "5/4/5/5/5", "1..999/1..999/1..999/1/1"] {
+        assert_eq!(values("7,11,15,18,18"), [[7, 11, 15, 18, 18]]);
+        assert_eq!(values("1..2,1..2,2,2,3").len(), 3);
+        for bad in ["1,2,3", "5,4,5,5,5", "1..999,1..999,1..999,1,1"] {
             assert!(bad.parse::<Fractions>().is_err(), "{bad}");
         }
     }
