@@ -2,10 +2,12 @@
 
 pub mod format;
 pub mod linear;
+pub mod precision;
 pub mod range;
 pub mod rounding;
 
 pub use format::Format;
 pub use linear::Form;
+pub use precision::{Fractions, Precision, Reduced};
 pub use range::Range;
 pub use rounding::Rounding;

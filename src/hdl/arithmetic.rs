@@ -200,6 +200,14 @@ impl Builder {
                 let odd = self.rescale(&self.slice(&of, drop, 1), of.word().fraction);
                 self.signal(&of + &odd + (half - 1))
             }
+            Rounding::Truncate if word.range.min >= 0 => of,
+            Rounding::Truncate => {
+                // A negative number is lifted by just less than a unit, so that its floor is its ceiling.
+                let negative = self.slice(&of, word.width() - 1, 1);
+                let point = |value| self.constant(value, Word { range: Range::point(value), ..word });
+                let lift = self.select(&negative, &point(2 * half - 1), &point(0));
+                self.signal(&of + &lift)
+            }
         };
         self.shift_right(&biased, drop, mode == Rounding::Exact)
     }

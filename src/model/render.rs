@@ -5,15 +5,17 @@
 //!                                                            (n+1)(n+2)/2, column i = 0..n, j = 0..n-i
 //! ```
 //!
-//! 64-bit words serve wherever W + 4R + 4 bits fit in them; 128-bit words otherwise.
+//! 64-bit words serve wherever W + 4R + 4 bits fit in them; 128-bit words otherwise. Reduced formats have
+//! columns of their own, [`reduced`].
 
 use super::loop_fd::LoopFd;
 use super::loop_fd::columns::Columns;
+use super::loop_fd::reduced;
 use super::loop_fd::rounding::{ByDivision, ByMultiplication, Rounding};
 use crate::error::{Error, Result};
 use crate::surface::control_mesh::ControlMesh;
 use crate::surface::hierarchy::Counts;
-use crate::surface::packets::patches_of;
+use crate::surface::packets::{patches, patches_of};
 use crate::surface::table::Table;
 use crate::surface::word::Word;
 
@@ -32,6 +34,17 @@ pub fn render(
     if mesh.width() > core.width() {
         return Err(Error::input(format!("coordinates of {} bits", mesh.width()))
             .help(format!("this core takes {} bits: use a smaller scale or a wider format", core.width())));
+    }
+    if let Some(mut columns) = reduced::columns(core) {
+        vertices.clear();
+        return patches(mesh, level, core.max_level(), table, |patch| {
+            columns.start(patch.level, &patch.points);
+            for length in (1..=(1usize << patch.level) + 1).rev() {
+                let start = vertices.len();
+                vertices.resize(start + length, [0; 3]);
+                columns.next(&mut vertices[start..]);
+            }
+        });
     }
     if core.word_bits() > i64::BITS {
         return render_with::<i128, _>(mesh, level, core, table, ByDivision::new(core), vertices);

@@ -14,6 +14,10 @@ pub trait Word: Copy + Default + PartialEq + std::fmt::Debug + Send + Sync + 'st
     fn times(self, factor: i64) -> Self;
     /// Times 2^bits.
     fn shifted_left(self, bits: u32) -> Self;
+    /// floor(self / 2^bits).
+    fn shifted_right(self, bits: u32) -> Self;
+    /// floor(self / 3).
+    fn third(self) -> Self;
     fn wide(self) -> i128;
     /// The low bits of a wide integer.
     fn narrow(wide: i128) -> Self;
@@ -40,6 +44,14 @@ macro_rules! word {
             #[inline]
             fn shifted_left(self, bits: u32) -> Self {
                 self << bits
+            }
+            #[inline]
+            fn shifted_right(self, bits: u32) -> Self {
+                self >> bits
+            }
+            #[inline]
+            fn third(self) -> Self {
+                self.div_euclid(3)
             }
             #[inline]
             fn wide(self) -> i128 {

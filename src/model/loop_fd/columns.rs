@@ -22,15 +22,15 @@ const CHUNK: usize = 64;
 
 /// The outer registers of one axis.
 #[derive(Clone, Copy, Debug, Default)]
-struct Outer<W> {
+pub(super) struct Outer<W> {
     /// N00 N10 N20 N30
-    row0: [W; 4],
+    pub row0: [W; 4],
     /// N01 N11 N21 N31
-    row1: [W; 4],
+    pub row1: [W; 4],
     /// N02 N12
-    row2: [W; 2],
+    pub row2: [W; 2],
     /// N03 N13
-    row3: [W; 2],
+    pub row3: [W; 2],
 }
 
 impl<W: Word> Outer<W> {
@@ -107,7 +107,7 @@ impl<W: Word, R: Rounding<W>> Columns<W, R> {
 
 /// Start-up, one axis: N00 N10 N20 N30 / N01 N11 N21 N31 / N02 N12 / N03 N13 at (0, 0), by shifts and adds.
 #[inline(always)]
-fn differences<W: Word>(level: u32, p: &[W; 12]) -> Outer<W> {
+pub(super) fn differences<W: Word>(level: u32, p: &[W; 12]) -> Outer<W> {
     let second = |a: usize, b: usize, c: usize| p[a].plus(p[c]).minus(p[b].plus(p[b]));
     let (r_m, r_0, r_0p, r_1) = (second(0, 1, 2), second(3, 4, 5), second(4, 5, 6), second(7, 8, 9));
     let (s_m, s_0, s_0p, s_1) = (second(3, 7, 10), second(0, 4, 8), second(4, 8, 11), second(1, 5, 9));

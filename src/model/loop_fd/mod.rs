@@ -8,14 +8,17 @@
 //! ```
 //!
 //! Two means, which the tests hold against each other bit for bit: [`direct`] evaluates the polynomial with
-//! one exact division, [`columns`] runs forward differences in wrapping words.
+//! one exact division, [`columns`] runs forward differences in wrapping words. Formats with fewer bits than
+//! exact ones lose them in the differences themselves: [`reduced`].
 //! Source: Bischoff, Kobbelt, Seidel 2000, section 3.3 (`render_forward_differences`).
 
 pub mod columns;
 pub mod direct;
+pub mod reduced;
 pub mod rounding;
 
 use crate::error::{Error, Result};
+use crate::fixed::Precision;
 use crate::surface::packets::{MAX_LEVEL, MAX_WIDTH, word_bits};
 use crate::surface::word::Word;
 use columns::Columns;
@@ -27,6 +30,7 @@ pub struct LoopFd {
     width: u32,
     extra_fraction: i32,
     max_level: u32,
+    precision: Precision,
 }
 
 /// One beat of the output stream: two vertices of a strip.
@@ -61,7 +65,27 @@ impl LoopFd {
             return Err(Error::usage(format!("{extra_fraction} extra fraction bits on {width} bits"))
                 .help(format!("use at most 4 R + 1 = {most} extra bits, and 2 to 63 output bits in all")));
         }
-        Ok(LoopFd { width, extra_fraction, max_level })
+        Ok(LoopFd { width, extra_fraction, max_level, precision: Precision::Exact })
+    }
+
+    /// The same core with other numbers inside.
+    ///
+    /// # Errors
+    /// Differences of order 0 with fewer fraction bits than the output.
+    pub fn with_precision(self, precision: Precision) -> Result<Self> {
+        if let Some(reduced) = precision.reduced() {
+            let (have, want) = (reduced.fractions.of(0), self.extra_fraction);
+            if i64::from(have) < i64::from(want) {
+                return Err(Error::usage(format!("{have} fraction bits for an output of {want} more bits"))
+                    .help("give the differences at least the fraction bits of the output"));
+            }
+        }
+        Ok(LoopFd { precision, ..self })
+    }
+
+    /// How the differences are kept.
+    pub fn precision(&self) -> Precision {
+        self.precision
     }
 
     /// W: bits of a control coordinate.
@@ -129,7 +153,10 @@ impl LoopFd {
             return Err(Error::usage(format!("a patch of level {level}"))
                 .help(format!("this core was made for levels up to {}", self.max_level)));
         }
-        if self.word_bits() > i64::BITS {
+        if let Some(mut columns) = reduced::columns(self) {
+            columns.start(level, points);
+            strips(level, |column| columns.next(column), sink);
+        } else if self.word_bits() > i64::BITS {
             beats_of(level, points, ByDivision::new(self), sink);
         } else {
             let narrow = points.map(|p| p.map(i64::narrow));
@@ -142,20 +169,19 @@ impl LoopFd {
     }
 }
 
-/// Cuts the columns of a patch into strips.
-fn beats_of<W: Word, R: Rounding<W>>(
-    level: u32,
-    points: &[[W; 3]; 12],
-    rounding: R,
-    mut sink: impl FnMut(Beat),
-) {
-    let n = 1usize << level;
+fn beats_of<W: Word, R: Rounding<W>>(level: u32, points: &[[W; 3]; 12], rounding: R, sink: impl FnMut(Beat)) {
     let mut columns = Columns::new(rounding);
     columns.start(level, points);
+    strips(level, |column| columns.next(column), sink);
+}
+
+/// Cuts the columns of a patch into strips.
+fn strips(level: u32, mut next: impl FnMut(&mut [[i64; 3]]), mut sink: impl FnMut(Beat)) {
+    let n = 1usize << level;
     let (mut left, mut right) = (vec![[0; 3]; n + 1], vec![[0; 3]; n]);
-    columns.next(&mut left);
+    next(&mut left);
     for i in 0..n {
-        columns.next(&mut right[..n - i]);
+        next(&mut right[..n - i]);
         for j in 0..=n - i {
             sink(Beat {
                 left: left[j],
