@@ -18,6 +18,7 @@ mod failure;
 pub mod generate;
 pub mod output;
 pub mod progress;
+pub mod report;
 pub mod shapes;
 pub mod simulate;
 pub mod values;
@@ -71,6 +72,7 @@ enum Command {
     Simulate(Box<simulate::Args>),
     Generate(Box<generate::Args>),
     Explore(Box<explore::Args>),
+    Report(report::Args),
     Shapes(shapes::Args),
     Doctor(doctor::Args),
     Completions(completions::Args),
@@ -82,6 +84,7 @@ impl Command {
         match self {
             Command::Simulate(args) => args.format.format,
             Command::Explore(args) => args.format(),
+            Command::Report(args) => args.format(),
             Command::Shapes(args) => args.format.format,
             Command::Doctor(args) => args.format.format,
             Command::Generate(_) | Command::Completions(_) => Format::Text,
@@ -93,6 +96,7 @@ impl Command {
             Command::Simulate(args) => simulate::run(args),
             Command::Generate(args) => generate::run(args),
             Command::Explore(args) => explore::run(args),
+            Command::Report(args) => report::run(args),
             Command::Shapes(args) => shapes::run(args),
             Command::Doctor(args) => doctor::run(args),
             Command::Completions(args) => completions::run(args),

@@ -67,14 +67,27 @@ impl Stage {
     /// # Errors
     /// A design that the reference does not support.
     pub fn measure(&self, design: &Design) -> Result<Tally<'_>> {
+        let mut tally = Tally::new(&self.truth);
+        self.for_each_vertex(design, |vertex, position| tally.put(vertex, position))?;
+        Ok(tally)
+    }
+
+    /// One position for each vertex of the fine mesh, in output units: where patches disagree, that of the last one.
+    ///
+    /// # Errors
+    /// As [`Stage::measure`].
+    pub fn positions(&self, design: &Design) -> Result<Vec<[i64; 3]>> {
+        let mut positions = vec![[0; 3]; self.truth.vertices()];
+        self.for_each_vertex(design, |vertex, position| positions[vertex] = position)?;
+        Ok(positions)
+    }
+
+    fn for_each_vertex(&self, design: &Design, mut put: impl FnMut(usize, [i64; 3])) -> Result<()> {
         let core = reference(design)?;
         let mut rendered = vec![];
         render(&self.control, self.level, &core, &Table::new(design.table)?, &mut rendered)?;
-        let mut tally = Tally::new(&self.truth);
-        for (&vertex, &position) in self.vertices.iter().zip(&rendered) {
-            tally.put(vertex as usize, position);
-        }
-        Ok(tally)
+        self.vertices.iter().zip(&rendered).for_each(|(&vertex, &position)| put(vertex as usize, position));
+        Ok(())
     }
 
     /// No vertex of this mesh is farther from the limit surface, in output units.

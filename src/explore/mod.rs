@@ -13,6 +13,7 @@ pub mod axes;
 pub mod cc_strip;
 pub mod cost;
 pub mod evaluate;
+pub mod figures;
 pub mod journal;
 pub mod loop_fd;
 pub mod merge;

@@ -13,8 +13,10 @@
 //! ```
 
 mod axis;
+mod pictures;
 
 pub use axis::Scale;
+pub use pictures::row_of_pictures;
 
 use askama::Template;
 
