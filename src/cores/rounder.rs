@@ -13,7 +13,7 @@ use std::rc::Rc;
 
 use crate::error::Result;
 use crate::fixed::{Range, Rounding};
-use crate::hdl::{Builder, Module, Signal, Word};
+use crate::hdl::{Builder, Module, Relation, Signal, Word};
 
 /// A rounder of numerators known modulo 2^`modulus`, for results of this range with `fraction` bits behind
 /// the point.
@@ -44,6 +44,65 @@ pub fn build(modulus: u32, shift: u32, result: Range, fraction: u32) -> Result<R
     let dividend = m.wire("dividend", m.round(&biased, shift, Rounding::Floor));
     let quotient = third(&m, &dividend);
     m.output("rounded", m.pipe("rounded", &quotient - (-result.min)));
+    m.finish()
+}
+
+/// A rounder of exact differences to a word of a reduced format: N / (3 * 2^`exact`) * 2^`fraction`.
+///
+/// Inputs: `numerator`, and `live`, which says when a vertex depends on it; then it fits the word, which is
+/// the claim to be proved. Output: `rounded`.
+///
+/// ```text
+///   q = floor((N + h) / (3 * 2^s)),  s = exact - fraction,  h = 3 * 2^(s-1) to the nearest, else 0
+///   half even   q - 1 where N + h is a multiple of 3 * 2^s (a tie) and q is odd
+///   truncate    q + 1 where N is negative and no multiple
+/// ```
+pub fn difference(
+    name: &str,
+    numerator: Word,
+    exact: u32,
+    fraction: u32,
+    word: Word,
+    mode: Rounding,
+) -> Result<Rc<Module>> {
+    let m = Builder::new(name);
+    m.purpose(format!("rounded = numerator / (3 * 2^{exact}) with {fraction} fraction bits, {mode}"));
+    let numerator = m.input("numerator", numerator);
+    let live = m.input("live", Word::bit());
+    // At least one bit is dropped before the division by 3: where there is none, zeros are appended.
+    let appended = (fraction + 1).saturating_sub(exact);
+    let shift = exact + appended - fraction;
+    let (unit, result) = (3i128 << shift, word.range);
+    let least = (result.min * unit) >> appended;
+    let claimed = Word::from(Range::new(least, (result.max * unit) >> appended));
+    let exact = m.claim("exact_numerator", &numerator, claimed, Some(&live));
+    let exact = m.rescale(&m.signal(&exact << appended), shift as i32 + word.fraction);
+
+    let nearest = matches!(mode, Rounding::HalfUp | Rounding::HalfEven);
+    let half = if nearest { unit / 2 } else { 0 };
+    let bias = 3 * -result.min;
+    let biased = m.pipe("biased", &exact + (half + (bias << shift)));
+    let dividend = m.wire("dividend", m.round(&biased, shift, Rounding::Floor));
+    let quotient = third(&m, &dividend);
+    let rounded = m.pipe("quotient", &quotient - (-result.min));
+    let unit_of = |bit: &Signal| m.rescale(bit, word.fraction);
+    let rounded = match mode {
+        Rounding::HalfEven | Rounding::Truncate => {
+            let multiple = m.compare(Relation::Equal, &dividend, m.signal(3 * &quotient));
+            let whole = m.is(&m.slice(&biased, 0, shift), 0);
+            let no_rest = m.pipe("no_rest", &multiple & &m.at_time(&whole, multiple.time().unwrap_or(0)));
+            if mode == Rounding::HalfEven {
+                let odd = m.slice(&rounded, 0, 1);
+                m.pipe("rounded", &rounded - &unit_of(&(&no_rest & &odd)))
+            } else {
+                let negative = m.slice(&exact, exact.width() - 1, 1);
+                let negative = m.at_time(&negative, no_rest.time().unwrap_or(0));
+                m.pipe("rounded", &rounded + &unit_of(&(&negative & &!&no_rest)))
+            }
+        }
+        _ => rounded,
+    };
+    m.output("rounded", m.modulo(&rounded, word.width()));
     m.finish()
 }
 

@@ -25,7 +25,8 @@ impl Traffic {
         Ok(Traffic {
             input: core::port(core, "s_axis", Direction::Input),
             output: core::port(core, "m_axis", Direction::Output),
-            model: LoopFd::new(width, extra_fraction(parameters), parameters.max_level)?,
+            model: LoopFd::new(width, extra_fraction(parameters), parameters.max_level)?
+                .with_precision(parameters.precision)?,
         })
     }
 

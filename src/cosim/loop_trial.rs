@@ -42,7 +42,8 @@ impl LoopTrial {
         for Packet { level, points } in packets {
             trial.input.extend(traffic.packet(*level, points));
             let twelve: Option<&[_; 12]> = points.as_slice().try_into().ok();
-            let patch = twelve.filter(|_| *level <= parameters.max_level);
+            let levels = parameters.min_level..=parameters.max_level;
+            let patch = twelve.filter(|_| levels.contains(level));
             if let Some(points) = patch {
                 traffic.answer(*level, points, &mut trial.expected)?;
             }
@@ -71,7 +72,7 @@ fn packets(parameters: Parameters, seed: u64) -> Vec<Packet> {
     let most = parameters.max_level;
     let mut dice = Dice { xorshift: Xorshift::new(seed), parameters, bounds: (0, 0) };
     let mut kinds: Vec<(u32, Kind)> = vec![];
-    for level in 0..=most {
+    for level in parameters.min_level..=most {
         kinds.extend([Kind::Least, Kind::Greatest].map(|kind| (level, kind)));
         // Short patches come often: a vertex of theirs costs no more, and each one is rounded.
         let often = match level {

@@ -12,6 +12,7 @@
 //!        |                                                                          |
 //!        +--> refinement --> limit_oracle: the true positions, by another route ----+--> error in units
 //!                            error_bound: what is proven about it
+//!                            precision: the same for formats with fewer bits, and which is the cheapest
 //! ```
 
 pub mod arithmetic;
@@ -29,6 +30,7 @@ pub mod hierarchy;
 pub mod limit_oracle;
 pub mod loop_masks;
 pub mod packets;
+pub mod precision;
 mod refinement;
 pub mod register_bounds;
 pub mod regular;

@@ -10,14 +10,17 @@
 //!
 //! D22 = 0, D40 = 2 D31 and D04 = 2 D13 on every Loop patch, so of the 15 differences 12 need a register
 //! (Bischoff, Kobbelt, Seidel count 23 registers with the two columns; 20 do, and 19 with r as l + m).
+//!
+//! In a reduced format each order has its own width and fraction; an add brings its addend to them first.
 
 use std::collections::BTreeMap;
 use std::rc::Rc;
 
-use super::{Parameters, RegisterForm};
+use super::{Parameters, RegisterForm, vertex};
 use crate::cores::rounder;
 use crate::error::Result;
-use crate::hdl::{Builder, Expr, Module, Signal, Word};
+use crate::fixed::{Precision, Rounding};
+use crate::hdl::{Builder, Expr, Module, Signal, Sum, Word};
 
 /// (k, l) of the twelve differences that a start-up computes, in the order of the ports.
 pub const DIFFERENCES: [(u32, u32); 12] =
@@ -25,50 +28,100 @@ pub const DIFFERENCES: [(u32, u32); 12] =
 
 type Table = BTreeMap<(u32, u32), Signal>;
 
+/// What a difference of order m gains: one of order m + 1, or twice that.
+#[derive(Clone)]
+struct Higher {
+    of: Signal,
+    doubled: bool,
+}
+
+impl Higher {
+    fn once(of: &Signal) -> Self {
+        Higher { of: of.clone(), doubled: false }
+    }
+
+    fn twice(of: &Signal) -> Self {
+        Higher { of: of.clone(), doubled: true }
+    }
+
+    /// The addend of a difference of this order. In a reduced format it is read as a number, which a word of
+    /// fewer integer bits than its own cannot tell apart from the difference of another patch.
+    fn addend(&self, m: &Builder, parameters: Parameters, order: u32) -> Sum {
+        let factor = if self.doubled { 2 } else { 1 };
+        let Some(reduced) = parameters.precision.reduced() else { return factor * &self.of };
+        let word = self.of.word();
+        let number = m.wrap(&self.of, Word { modular: false, ..word });
+        let dropped = reduced.fractions.dropped(order as usize);
+        if dropped == 0 {
+            return factor * &number;
+        }
+        let (drop, fraction) = (dropped - u32::from(self.doubled), word.fraction - dropped as i32);
+        let point = |signal: &Signal| m.rescale(signal, fraction);
+        match reduced.rounding {
+            // floor(x / 2^t + 1/2) is floor(x / 2^t) and the highest bit that is lost: a carry into the adder.
+            Rounding::HalfUp if drop > 0 => {
+                let carry = m.slice(&number, drop - 1, 1);
+                &point(&m.round(&number, drop, Rounding::Floor)) + &point(&carry)
+            }
+            mode => Sum::from(&point(&m.round(&number, drop, mode))),
+        }
+    }
+}
+
 /// One coordinate: `n..` are taken at `capture` and wait; `load` moves them into the outer differences;
 /// `strip` starts a strip and steps the outer differences; `step` goes one row up. `left` and `right` are
 /// the rounded vertices of the row, `valid` and `pair` say which of them mean anything.
 pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
     let m = Builder::new("difference_engine");
-    let (word, form) = (parameters.difference(), parameters.registers);
+    let form = parameters.registers;
     m.purpose("Forward differences of one coordinate: a pair of vertices of a triangle strip per clock.");
     m.parameter("registers", form);
-    m.parameter("modulus", format!("2^{}", parameters.modulus()));
+    match parameters.precision {
+        Precision::Exact => m.parameter("modulus", format!("2^{}", parameters.modulus())),
+        reduced => m.parameter("differences", reduced),
+    }
     let [capture, load, strip, step] =
         ["capture", "load", "strip", "step"].map(|name| m.input(name, Word::bit()));
     let [valid, pair] = ["valid", "pair"].map(|name| m.input(name, Word::bit()));
 
     let mut waiting: Table = BTreeMap::new();
     for (k, l) in DIFFERENCES {
-        let n = m.input(format!("n{k}{l}"), word);
-        let register = m.register(format!("waiting_{k}{l}"), word);
+        let n = m.input(format!("n{k}{l}"), parameters.difference((k, l)));
+        let register = m.register(format!("waiting_{k}{l}"), n.word());
         m.on(&capture, &register, &n);
         waiting.insert((k, l), register);
     }
 
     let outer = outer_differences(&m, parameters, &waiting, &load, &strip);
-    let fourth: Expr = match outer.get(&(0, 4)) {
-        Some(d04) => d04.into(),
-        None => (2 * &outer[&(1, 3)]).into(),
+    let fourth = match outer.get(&(0, 4)) {
+        Some(d04) => Higher::once(d04),
+        None => Higher::twice(&outer[&(1, 3)]),
     };
+    let columns = Columns { m: &m, parameters, strip: &strip, step: &step };
     let last = [0, 1, 2, 3].map(|l| outer[&(0, l)].clone());
-    let left = column(&m, "left", &strip, &step, last, fourth.clone());
+    let left = columns.column("left", last, 0, fourth.clone());
     let right = if form == RegisterForm::Relative19 {
         // r - l has the differences of the next column's polynomial less this one's: D10, D11, D12, D13.
         let gap = [0, 1, 2].map(|l| outer[&(1, l)].clone());
-        let gap = column(&m, "gap", &strip, &step, gap, (&outer[&(1, 3)]).into());
-        m.pipe("right", &left + &gap)
+        let gap = columns.column("gap", gap, 1, Higher::once(&outer[&(1, 3)]));
+        m.pipe("right", &left + Higher::once(&gap).addend(&m, parameters, 0))
     } else {
-        let next = [0, 1, 2, 3].map(|l| m.wire(format!("next_0{l}"), &outer[&(0, l)] + &outer[&(1, l)]));
-        column(&m, "right", &strip, &step, next, fourth)
+        let next = [0, 1, 2, 3].map(|l| {
+            let gain = Higher::once(&outer[&(1, l)]).addend(&m, parameters, l);
+            m.wire(format!("next_0{l}"), &outer[&(0, l)] + gain)
+        });
+        columns.column("right", next, 0, fourth)
     };
 
-    let rounder = rounder::build(
-        parameters.modulus(),
-        parameters.shift(),
-        parameters.output_range(),
-        parameters.output_fraction,
-    )?;
+    let rounder = match parameters.precision {
+        Precision::Exact => rounder::build(
+            parameters.modulus(),
+            parameters.shift(),
+            parameters.output_range(),
+            parameters.output_fraction,
+        )?,
+        Precision::Reduced(reduced) => vertex::build(parameters, reduced)?,
+    };
     let both = m.wire("valid_pair", &valid & &pair);
     let round = |name: &str, numerator: &Signal, valid: &Signal| {
         m.instance(name, &rounder, &[("numerator", numerator), ("valid", valid)]).out("rounded")
@@ -88,50 +141,66 @@ fn outer_differences(
     load: &Signal,
     strip: &Signal,
 ) -> Table {
-    let word = parameters.difference();
     let mut start: BTreeMap<(u32, u32), Expr> = waiting.iter().map(|(&kl, n)| (kl, n.into())).collect();
     if matches!(parameters.registers, RegisterForm::Published23 | RegisterForm::WithoutZero22) {
-        start.insert((4, 0), (2 * &waiting[&(3, 1)]).into());
-        start.insert((0, 4), (2 * &waiting[&(1, 3)]).into());
+        let twice = |kl: (u32, u32)| -> Expr {
+            let of = &waiting[&kl];
+            match parameters.precision {
+                Precision::Exact => (2 * of).into(),
+                // Read as a number: the double has a bit more.
+                Precision::Reduced(_) => (2 * &m.wrap(of, Word { modular: false, ..of.word() })).into(),
+            }
+        };
+        start.insert((4, 0), twice((3, 1)));
+        start.insert((0, 4), twice((1, 3)));
     }
     if parameters.registers == RegisterForm::Published23 {
-        start.insert((2, 2), m.constant(0, word).into());
+        start.insert((2, 2), m.constant(0, parameters.difference((2, 2))).into());
     }
-    let outer: Table = start.keys().map(|&(k, l)| ((k, l), m.register(format!("d{k}{l}"), word))).collect();
+    let outer: Table = start
+        .keys()
+        .map(|&(k, l)| ((k, l), m.register(format!("d{k}{l}"), parameters.difference((k, l)))))
+        .collect();
     for (&(k, l), register) in &outer {
         m.on(load, register, start[&(k, l)].clone());
-        let higher: Option<Expr> = match outer.get(&(k + 1, l)) {
-            Some(higher) => Some(higher.into()),
-            None if (k, l) == (3, 0) => Some((2 * &outer[&(3, 1)]).into()),
+        let higher = match outer.get(&(k + 1, l)) {
+            Some(higher) => Some(Higher::once(higher)),
+            None if (k, l) == (3, 0) => Some(Higher::twice(&outer[&(3, 1)])),
             None => None, // constant along u
         };
         if let Some(higher) = higher {
-            m.on(strip, register, register + crate::hdl::Sum::from(m.signal(higher)));
+            m.on(strip, register, register + higher.addend(m, parameters, k + l));
         }
     }
     outer
 }
 
-/// One column of the scheme: on `strip` it starts, on `step` each difference gains the next higher one
-/// along v, the highest a constant. Returns the lowest: the samples.
-fn column<const N: usize>(
-    m: &Builder,
-    name: &str,
-    strip: &Signal,
-    step: &Signal,
-    start: [Signal; N],
-    constant: Expr,
-) -> Signal {
-    let mut higher = constant;
-    for (order, initial) in start.into_iter().enumerate().rev() {
-        let difference = m.register(format!("{name}_{order}"), initial.word());
-        m.on(strip, &difference, &initial);
-        let sum = match higher {
-            Expr::Signal(higher) => &difference + &higher,
-            Expr::Sum(higher) => &difference + higher,
-        };
-        m.on(step, &difference, sum);
-        higher = difference.into();
+/// Makes the running columns.
+struct Columns<'a> {
+    m: &'a Builder,
+    parameters: Parameters,
+    strip: &'a Signal,
+    step: &'a Signal,
+}
+
+impl Columns<'_> {
+    /// One column of the scheme: on `strip` it starts, on `step` each difference gains the next higher one
+    /// along v, the highest a constant. Returns the lowest, of order `lowest`: the samples.
+    fn column<const N: usize>(
+        &self,
+        name: &str,
+        start: [Signal; N],
+        lowest: u32,
+        constant: Higher,
+    ) -> Signal {
+        let mut higher = constant;
+        for (nth, initial) in start.into_iter().enumerate().rev() {
+            let difference = self.m.register(format!("{name}_{nth}"), initial.word());
+            self.m.on(self.strip, &difference, &initial);
+            let addend = higher.addend(self.m, self.parameters, lowest + nth as u32);
+            self.m.on(self.step, &difference, &difference + addend);
+            higher = Higher::once(&difference);
+        }
+        higher.of
     }
-    m.signal(higher)
 }

@@ -19,7 +19,7 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
     let valid = m.input("valid", Word::bit());
     let last = m.input("last", Word::bit());
     let user = m.input("level_in", Word::unsigned(LEVEL_BITS));
-    let points = AXES.map(|axis| m.input(format!("point_{axis}"), parameters.difference()));
+    let points = AXES.map(|axis| m.input(format!("point_{axis}"), parameters.point()));
     let slot_free = m.input("slot_free", Word::bit());
 
     // full: 12 points are here. axis: the one being handed over.
@@ -48,6 +48,12 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
         m.constant(parameters.max_level.into(), Word::range(0, parameters.max_level.into())),
     );
     let known = if parameters.max_level + 1 == 1 << LEVEL_BITS { m.bit(true) } else { known };
+    let known = if parameters.min_level == 0 {
+        known
+    } else {
+        let lowest = m.constant(parameters.min_level.into(), Word::range(0, parameters.min_level.into()));
+        &known & m.compare(Relation::LessOrEqual, &lowest, &user)
+    };
     let complete = m.all(&[&accept, &last, &m.is(&count, 11), &known]);
     m.on(&complete, &full, m.bit(true));
     m.on(&leaving, &full, m.bit(false));

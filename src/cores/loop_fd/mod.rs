@@ -23,6 +23,12 @@
 //! **Numbers**: all differences are integers over the common denominator, kept modulo 2^B with
 //! B = W + 4R + 4. The basis is non-negative with sum 1, so every vertex fits B bits, and a linear
 //! recurrence modulo 2^B gives it exactly whatever the other registers do. The only rounding is the last.
+//!
+//! **Reduced numbers**, where [`Precision::Reduced`] asks for them: the start-up divides each difference by
+//! 12 * 16^R and rounds it to the fraction bits of its order, at every level alike, so 12 numbers a patch are
+//! divided and no vertex is. With progressive fractions an add rounds its addend. The registers are as wide
+//! as [`words`] says. What comes out is within a proven bound of the surface; patches that share an edge may
+//! differ there.
 
 mod control;
 mod engine;
@@ -30,12 +36,14 @@ mod loader;
 pub mod proof;
 mod startup;
 mod top;
+mod vertex;
+pub mod words;
 
 use std::fmt;
 use std::rc::Rc;
 
 use crate::error::{Error, Result};
-use crate::fixed::{Format, Range};
+use crate::fixed::{Format, Precision, Range, Rounding};
 use crate::hdl::{Module, Word};
 
 pub use engine::DIFFERENCES;
@@ -91,19 +99,28 @@ pub struct Parameters {
     pub output_fraction: u32,
     /// R: the highest level; every level from 0 on can be chosen for each patch.
     pub max_level: u32,
+    /// The lowest level; patches below it are dropped. Reduced differences of fine levels are narrower.
+    pub min_level: u32,
     pub registers: RegisterForm,
+    pub precision: Precision,
 }
 
 impl Parameters {
     pub const HIGHEST_LEVEL: u32 = 10;
 
+    /// A core of exact numbers, for all levels up to the highest.
+    ///
+    /// # Errors
+    /// Numbers that no core has.
     pub fn new(
         coordinates: Format,
         output_fraction: u32,
         max_level: u32,
         registers: RegisterForm,
     ) -> Result<Self> {
-        let parameters = Parameters { coordinates, output_fraction, max_level, registers };
+        let precision = Precision::Exact;
+        let parameters =
+            Parameters { coordinates, output_fraction, max_level, min_level: 0, registers, precision };
         if max_level > Self::HIGHEST_LEVEL {
             return Err(Error::usage(format!("maximum level {max_level} is above {}", Self::HIGHEST_LEVEL))
                 .help(format!("choose --max-level 0 to {}", Self::HIGHEST_LEVEL)));
@@ -125,7 +142,49 @@ impl Parameters {
         Ok(parameters)
     }
 
-    /// B = W + 4R + 4: the width of every difference.
+    /// The same core with other numbers inside.
+    ///
+    /// # Errors
+    /// Differences of order 0 with fewer fraction bits than the output; progressive fractions where the
+    /// right column is kept as its distance from the left one, which would round it otherwise.
+    pub fn with_precision(self, precision: Precision) -> Result<Self> {
+        let Some(reduced) = precision.reduced() else { return Ok(Parameters { precision, ..self }) };
+        let fractions = reduced.fractions;
+        if self.coordinates.fraction + fractions.of(0) < self.output_fraction {
+            return Err(Error::usage(format!(
+                "{} fraction bits of the output, but differences of {} + {}",
+                self.output_fraction,
+                self.coordinates.fraction,
+                fractions.of(0)
+            ))
+            .help("give the differences more fraction bits, or the output fewer"));
+        }
+        if self.registers == RegisterForm::Relative19 && !fractions.is_uniform() {
+            return Err(Error::usage("progressive fractions with 19 registers")
+                .help("use --registers 20: a column kept as a distance would be rounded otherwise"));
+        }
+        if reduced.rounding == Rounding::Exact {
+            return Err(Error::usage("reduced numbers without rounding").help("choose a rounding mode"));
+        }
+        Ok(Parameters { precision, ..self })
+    }
+
+    /// The same core for levels from this one on.
+    ///
+    /// # Errors
+    /// A level above the highest.
+    pub fn with_min_level(self, min_level: u32) -> Result<Self> {
+        if min_level > self.max_level {
+            return Err(Error::usage(format!(
+                "minimum level {min_level} above maximum level {}",
+                self.max_level
+            ))
+            .help("lower --min-level or raise --max-level"));
+        }
+        Ok(Parameters { min_level, ..self })
+    }
+
+    /// B = W + 4R + 4: the width of every exact difference, and of a control point.
     pub fn modulus(self) -> u32 {
         self.coordinates.width() + 4 * self.max_level + 4
     }
@@ -136,10 +195,24 @@ impl Parameters {
         4 * self.max_level + 2 + self.coordinates.fraction - self.output_fraction
     }
 
+    /// F_0 - f: fraction bits that a vertex of reduced numbers loses at last.
+    fn last_dropped(self, fraction: u32) -> u32 {
+        self.coordinates.fraction + fraction - self.output_fraction
+    }
+
     /// Every output coordinate, in units of the output. With fewer fraction bits than the control points
     /// have, the largest ones round up to 2^(integer - 1), one unit above what the format holds.
     pub fn output_range(self) -> Range {
         let format = Range::signed(self.coordinates.integer + self.output_fraction);
+        if let Some(reduced) = self.precision.reduced() {
+            if reduced.saturate {
+                return format;
+            }
+            let vertex = words::vertex_range(self, reduced);
+            let dropped = self.last_dropped(reduced.fractions.of(0));
+            let half = (1i128 << dropped) >> 1;
+            return (vertex + Range::point(half)).shift_right(dropped);
+        }
         let up = i128::from(self.output_fraction < self.coordinates.fraction);
         Range::new(format.min, format.max + up)
     }
@@ -159,9 +232,23 @@ impl Parameters {
         self.output_width().next_multiple_of(8)
     }
 
-    /// A difference.
-    fn difference(self) -> Word {
+    /// A control point, or an exact difference.
+    fn point(self) -> Word {
         Word::modular(self.modulus())
+    }
+
+    /// The width of an exact difference in the start-up: that of a reduced core also needs those that are
+    /// too large for the modulus, as long as a vertex depends on them.
+    fn startup_modulus(self) -> u32 {
+        self.modulus() + if self.precision.reduced().is_some() { 2 } else { 0 }
+    }
+
+    /// The difference D(k,l) in the engine.
+    fn difference(self, (k, l): (u32, u32)) -> Word {
+        match self.precision {
+            Precision::Exact => self.point(),
+            Precision::Reduced(reduced) => words::difference(self, reduced, (k, l)),
+        }
     }
 
     /// The level of a patch, as the core carries it.

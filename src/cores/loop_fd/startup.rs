@@ -7,21 +7,34 @@
 //! ```
 //!
 //! It is a pure function and fully pipelined: the three axes of a patch go through one after the other.
-//! The powers of 2^r are shifts by the bits of the level.
+//! The powers of 2^r are shifts by the bits of the level. Reduced numbers are divided by 12 * 16^R at the end,
+//! each rounded to the fraction bits of its order; 16^R belongs to the core, so the level does not matter.
 
+use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 use std::rc::Rc;
 
 use super::Parameters;
 use super::engine::DIFFERENCES;
-use crate::error::Result;
-use crate::hdl::{Builder, Module, Signal};
+use crate::cores::rounder;
+use crate::error::{Error, Result};
+use crate::fixed::{Precision, Reduced};
+use crate::hdl::{Builder, Module, Relation, Signal, Word};
 
 pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
     let m = Builder::new("startup");
     m.purpose("The differences of a patch, step 2^-level, from its 12 control points: matrix Q_r");
     m.purpose("(Bischoff, Kobbelt, Seidel 2000, appendix A.4, with the matrix corrected).");
-    m.parameter("modulus", format!("2^{}", parameters.modulus()));
-    let p: Vec<Signal> = (0..12).map(|i| m.input(format!("p{i}"), parameters.difference())).collect();
+    m.parameter("modulus", format!("2^{}", parameters.startup_modulus()));
+    let point = |i: usize| {
+        let p = m.input(format!("p{i}"), parameters.point());
+        if parameters.startup_modulus() == p.width() {
+            return p;
+        }
+        let number = m.wrap(&p, Word::signed(p.width()));
+        m.wire(format!("wide_p{i}"), m.modulo(&number, parameters.startup_modulus()))
+    };
+    let p: Vec<Signal> = (0..12).map(point).collect();
     let level = m.input("level", parameters.level());
 
     let second = |name: &str, [a, b, c]: [usize; 3]| m.pipelined(name, &p[a] - 2 * &p[b] + &p[c]);
@@ -80,11 +93,51 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
         m.pipelined("n03_sum", 12 * &m.pipelined("ac03_h3", &a_c03 + &h3)),
         m.wire("n13_sum", 4 * &h3),
     ];
+    let rows = match parameters.precision {
+        Precision::Exact => rows,
+        Precision::Reduced(reduced) => rounded(&m, parameters, reduced, &level, rows)?,
+    };
     let last = rows.iter().filter_map(Signal::time).max().unwrap_or(0);
     for ((k, l), row) in DIFFERENCES.into_iter().zip(&rows) {
         m.output(format!("n{k}{l}"), m.at_time(row, last));
     }
     m.finish()
+}
+
+/// N(k,l) / (12 * 16^R), rounded to the fraction bits of its order.
+fn rounded(
+    m: &Builder,
+    parameters: Parameters,
+    reduced: Reduced,
+    level: &Signal,
+    rows: [Signal; 12],
+) -> Result<[Signal; 12]> {
+    let mut rounders: BTreeMap<u32, Rc<Module>> = BTreeMap::new();
+    let mut rounded = vec![];
+    for ((k, l), row) in DIFFERENCES.into_iter().zip(rows) {
+        let (order, word) = (k + l, parameters.difference((k, l)));
+        if let Entry::Vacant(vacant) = rounders.entry(order) {
+            vacant.insert(rounder::difference(
+                &format!("round_order_{order}"),
+                Word::modular(parameters.startup_modulus()),
+                4 * parameters.max_level + 2,
+                reduced.fractions.of(order as usize),
+                word,
+                reduced.rounding,
+            )?);
+        }
+        // Whether a vertex depends on it; order 2 does not count at level 0, order 3 not at level 1.
+        let live = match order {
+            0 | 1 => m.bit(true),
+            2 => m.is_not(level, 0),
+            _ => m.compare(Relation::Less, m.constant(1, Word::range(0, 1)), level),
+        };
+        let live = m.at_time(&live, row.time().unwrap_or(0));
+        let inputs = [("numerator", &row), ("live", &live)];
+        rounded.push(m.instance(&format!("round_n{k}{l}"), &rounders[&order], &inputs).out("rounded"));
+    }
+    let count = rounded.len();
+    rounded.try_into().map_err(|_| Error::usage(format!("{count} differences in place of 12")))
 }
 
 /// `value * 2^(power * level)`: one shift for each bit of the level, two shifts per clock.

@@ -5,18 +5,32 @@ use std::rc::Rc;
 use super::{AXES, LEVEL_BITS, Parameters, control, engine, loader, startup};
 use crate::cores::stream_fifo;
 use crate::error::Result;
+use crate::fixed::Precision;
 use crate::hdl::{Builder, Module, Signal, StreamBeat, Word};
 
 pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
     let m = Builder::new("loop_fd");
     m.purpose("Forward-difference engine for Loop patches: 12 control points in, the vertices of the");
-    m.purpose("triangle strips out, two a clock, each the exact limit point correctly rounded.");
+    match parameters.precision {
+        Precision::Exact => {
+            m.purpose("triangle strips out, two a clock, each the exact limit point correctly rounded.");
+        }
+        Precision::Reduced(_) => {
+            m.purpose("triangle strips out, two a clock, each within a proven bound of the limit point.");
+        }
+    }
     m.parameter("coordinates", parameters.coordinates);
     m.parameter("output_fraction", parameters.output_fraction);
     m.parameter("max_level", parameters.max_level);
     m.parameter("registers", parameters.registers);
+    if parameters.min_level > 0 {
+        m.parameter("min_level", parameters.min_level);
+    }
+    if parameters.precision != Precision::Exact {
+        m.parameter("differences", parameters.precision);
+    }
 
-    let axes = AXES.map(|axis| (axis, parameters.difference()));
+    let axes = AXES.map(|axis| (axis, parameters.point()));
     let points = m.stream_input("s_axis", parameters.input_lane(), &axes, LEVEL_BITS);
     let ready = m.stream_ready("m_axis");
 

@@ -1,0 +1,127 @@
+//! How wide each difference of a reduced format is: wide enough on every patch of every level, proven.
+//!
+//! ```text
+//!   |D| <= (2^W - 1) p_m(r),  its error <= E_m(r),  so I_m integer bits above W suffice where
+//!   (2^W - 1) p_m(r) + E_m(r) < 2^(W + I_m - 1)      on every level r of the core
+//!
+//!   p_1 = 2^-r       p_2 = 2 * 4^-r - 7/3 16^-r       p_3 = 8 * 8^-r - 12 * 16^-r       p_4 = 6 * 16^-r
+//!                                                     (D40 and D04 themselves: one bit more than D31, D13)
+//!
+//!   E_m = u sum over c <= 4 - m of  C(n,c) 2^-F_(m+c)  +  C(n,c+1) 2^-F_(m+c) where F_(m+c) < F_(m+c+1)
+//!         n = 2^r, u = 1/2 (to the nearest) or 1, the term of the fourth order twice
+//! ```
+//!
+//! p_m is half the sum of the absolute weights of the control points in D, largest over the places from
+//! which a vertex of the patch is reached; at level 0 no vertex depends on order 2, at level 1 none on
+//! order 3. Boundary patches completed with ghosts are among them, and three limit positions sent as a patch
+//! of level 0. Vertices stay in the hull, up to E_0. What is claimed here is proved for each core.
+
+use super::Parameters;
+use crate::fixed::precision::HIGHEST_ORDER;
+use crate::fixed::{Range, Reduced, Rounding};
+use crate::hdl::Word;
+
+/// Everything here is an integer over 2^UNIT.
+const UNIT: u32 = 50;
+
+/// The word of D(k,l) in a reduced format, modulo its width: what is not read may be too large for it.
+pub fn difference(parameters: Parameters, reduced: Reduced, (k, l): (u32, u32)) -> Word {
+    let order = (k + l) as usize;
+    let doubled = i32::from((k, l) == (4, 0) || (k, l) == (0, 4));
+    let fraction = reduced.fractions.of(order);
+    let bits = (parameters.coordinates.width() + fraction) as i32;
+    let width = (bits + integer_bits(parameters, reduced, order) + doubled).max(2);
+    Word::modular(width as u32).fraction((parameters.coordinates.fraction + fraction) as i32)
+}
+
+/// I_m: integer bits above W.
+pub fn integer_bits(parameters: Parameters, reduced: Reduced, order: usize) -> i32 {
+    let width = parameters.coordinates.width();
+    let lowest_live = [0, 0, 1, 2, 2][order].max(parameters.min_level);
+    let spread = (1i128 << width) - 1;
+    let most = (lowest_live..=parameters.max_level).map(|level| {
+        let exact = match order {
+            0 => 1 << (width - 1 + UNIT),
+            _ => spread * largest(order, level),
+        };
+        exact + error(reduced, order, level)
+    });
+    let Some(most) = most.max() else { return -(width as i32) };
+    // The least I with most < 2^(W + I - 1) 2^UNIT; at order 0 the lower end itself is a number.
+    let most = if order == 0 { most - 1 } else { most };
+    (128 - most.leading_zeros()) as i32 - UNIT as i32 - width as i32 + 1
+}
+
+/// Every value of D(0,0) that is a vertex.
+pub fn vertex_range(parameters: Parameters, reduced: Reduced) -> Range {
+    let fraction = reduced.fractions.of(0);
+    let hull = Range::signed(parameters.coordinates.width()) * (1i128 << fraction);
+    let levels = parameters.min_level..=parameters.max_level;
+    let error = levels.map(|level| error(reduced, 0, level)).max().unwrap_or(0);
+    let error = error >> (UNIT - fraction);
+    Range::new(hull.min - error, hull.max + error)
+}
+
+/// p_m(r) over 2^UNIT.
+fn largest(order: usize, level: u32) -> i128 {
+    let two_to = |bits: u32| 1i128 << (UNIT - bits);
+    match (order, level) {
+        (1, r) => two_to(r),
+        // Rounded up.
+        (2, r) => 2 * two_to(2 * r) - 7 * two_to(4 * r) / 3,
+        (3, r) => 8 * two_to(3 * r) - 12 * two_to(4 * r),
+        (_, r) => 6 * two_to(4 * r),
+    }
+}
+
+/// E_m(r) over 2^UNIT.
+fn error(reduced: Reduced, order: usize, level: u32) -> i128 {
+    let (n, fractions) = (1i128 << level, reduced.fractions);
+    let choose = |c: usize| (0..c as i128).fold(1, |product, x| product * (n - x) / (x + 1));
+    let terms = (0..=HIGHEST_ORDER - order).map(|c| {
+        let at = order + c;
+        let start = if at == HIGHEST_ORDER { 2 * choose(c) } else { choose(c) };
+        let adds = if at < HIGHEST_ORDER && fractions.dropped(at) > 0 { choose(c + 1) } else { 0 };
+        (start + adds) << (UNIT - 1 - fractions.of(at))
+    });
+    let nearest = matches!(reduced.rounding, Rounding::HalfUp | Rounding::HalfEven | Rounding::Exact);
+    terms.sum::<i128>() * if nearest { 1 } else { 2 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cores::loop_fd::RegisterForm;
+    use crate::fixed::Precision;
+
+    fn bits(min_level: u32, max_level: u32, fractions: &str) -> [i32; 5] {
+        let parameters =
+            Parameters::new("Q12.12".parse().unwrap(), 12, max_level, RegisterForm::Minimal20).unwrap();
+        let reduced = Reduced::new(fractions.parse().unwrap());
+        let parameters = parameters
+            .with_precision(Precision::Reduced(reduced))
+            .and_then(|parameters| parameters.with_min_level(min_level))
+            .unwrap();
+        [0, 1, 2, 3, 4].map(|order| integer_bits(parameters, reduced, order))
+    }
+
+    #[test]
+    fn a_core_of_all_levels_pays_for_the_coarse_ones() {
+        assert_eq!(bits(0, 8, "10,17,24,30,30"), [1, 1, 0, -2, -4]);
+        assert_eq!(bits(0, 5, "17"), [1, 1, 0, -2, -4]);
+    }
+
+    #[test]
+    fn a_core_of_one_level_needs_fewer_bits_the_higher_the_order() {
+        // D10 along a boundary can be 2^-r times the whole range, so its error takes one bit more.
+        for (r, fractions) in [(3, "5,8,8,8,11"), (5, "7,11,15,18,18"), (8, "10,17,24,30,30")] {
+            assert_eq!(bits(r as u32, r as u32, fractions), [1, 2 - r, 2 - 2 * r, 4 - 3 * r, 4 - 4 * r]);
+        }
+    }
+
+    #[test]
+    fn large_errors_get_the_room_they_need() {
+        // B(1024) / 2 > 2^34: the first difference above 2^23 by far
+        assert!(bits(0, 10, "0")[0] > 10);
+    }
+}
