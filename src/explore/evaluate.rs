@@ -7,6 +7,7 @@
 //! ```
 
 use std::collections::BTreeMap;
+use std::rc::Rc;
 use std::sync::{Arc, Mutex, OnceLock};
 
 use super::cost::Cost;
@@ -17,7 +18,7 @@ use super::synth::{self, Synthesis};
 use super::{cc_strip, loop_fd};
 use crate::cores;
 use crate::error::{Error, Result};
-use crate::hdl::verilog;
+use crate::hdl::{Module, verilog};
 use crate::package;
 
 /// What is made once for several points, and shared by the threads.
@@ -100,34 +101,29 @@ impl Evaluator {
     pub fn evaluate(&self, point: &Point) -> Result<Record> {
         let design = &point.design;
         let stage = self.stage(point)?;
-        let (tally, bound, uncertainty, command) = match &*stage {
-            Stage::Loop(stage) => {
-                let command = package::loop_fd::command(loop_fd::parameters(design)?);
-                (stage.measure(design)?, stage.bound(design), stage.uncertainty(), command)
-            }
-            Stage::Strips(stage) => {
-                let command = package::cc_strip::command(stage.parameters(design)?);
-                (stage.measure(design)?, stage.bound(design)?, stage.uncertainty(), command)
-            }
+        let (tally, bound, uncertainty) = match &*stage {
+            Stage::Loop(stage) => (stage.measure(design)?, stage.bound(design)?, stage.uncertainty()),
+            Stage::Strips(stage) => (stage.measure(design)?, stage.bound(design)?, stage.uncertainty()),
         };
+        let core = Core::of(&stage, design)?;
         if tally.missing() > 0 {
             return Err(Error::input(format!("{} vertices of the fine mesh did not come", tally.missing()))
                 .at(&point.mesh.name));
         }
-        let worst = self.worst.get(&design.to_string(), || match design.scheme {
-            Scheme::Loop => loop_fd::worst(design),
-            Scheme::CatmullClark => Ok(cc_strip::worst(design)),
-        })?;
-        let core = self.cores.get(&command, || self.core(&stage, design, &command))?;
+        let worst = match design.scheme {
+            Scheme::Loop => self.worst.get(&loop_fd::worst_name(design), || loop_fd::worst(design))?,
+            Scheme::CatmullClark => self.worst.get(&design.to_string(), || Ok(cc_strip::worst(design)))?,
+        };
+        let figures = self.cores.get(&core.name(), || self.figures(core))?;
         let (errors, cracks) = (tally.errors(), tally.cracks());
         Ok(Record {
             point: Planned::from(point),
             bound_lsb: bound,
             error_lsb: ErrorLsb { max: errors.max, rms: errors.rms, worst_case: *worst, uncertainty },
             cracks,
-            cost: core.0,
-            synthesis: core.1.clone(),
-            command,
+            cost: figures.0,
+            synthesis: figures.1.clone(),
+            command: core.command(),
         })
     }
 
@@ -137,20 +133,63 @@ impl Evaluator {
     /// As [`Evaluator::evaluate`].
     pub fn bound(&self, point: &Point) -> Result<f64> {
         match &*self.stage(point)? {
-            Stage::Loop(stage) => Ok(stage.bound(&point.design)),
+            Stage::Loop(stage) => stage.bound(&point.design),
             Stage::Strips(stage) => stage.bound(&point.design),
         }
     }
 
-    fn core(&self, stage: &Stage, design: &Design, command: &str) -> Result<(Cost, Option<Synthesis>)> {
-        let core = match stage {
-            Stage::Loop(_) => cores::loop_fd::build(loop_fd::parameters(design)?)?,
-            Stage::Strips(stage) => cores::cc_strip::build(stage.parameters(design)?)?,
-        };
+    /// The core of a point.
+    ///
+    /// # Errors
+    /// As [`Evaluator::evaluate`].
+    pub fn core(&self, point: &Point) -> Result<Core> {
+        Core::of(&*self.stage(point)?, &point.design)
+    }
+
+    fn figures(&self, core: Core) -> Result<(Cost, Option<Synthesis>)> {
+        let built = core.build()?;
         let synthesis = match self.synthesise {
             false => None,
-            true => Some(synth::yosys(&core.name, &verilog::print(&core, command)?)?),
+            true => Some(synth::yosys(&built.name, &verilog::print(&built, &core.command())?)?),
         };
-        Ok((Cost::of(&core), synthesis))
+        Ok((Cost::of(&built), synthesis))
+    }
+}
+
+/// The core of a point: of a design for a mesh.
+#[derive(Clone, Copy, Debug)]
+pub enum Core {
+    LoopFd(cores::loop_fd::Parameters),
+    CcStrip(cores::cc_strip::Parameters),
+}
+
+impl Core {
+    fn of(stage: &Stage, design: &Design) -> Result<Core> {
+        match stage {
+            Stage::Loop(stage) => Ok(Core::LoopFd(stage.parameters(design)?)),
+            Stage::Strips(stage) => Ok(Core::CcStrip(stage.parameters(design)?)),
+        }
+    }
+
+    /// Different for different cores.
+    fn name(self) -> String {
+        format!("{self:?}")
+    }
+
+    /// The command that generates it.
+    pub fn command(self) -> String {
+        match self {
+            Core::LoopFd(parameters) => package::loop_fd::command(parameters),
+            Core::CcStrip(parameters) => package::cc_strip::command(parameters),
+        }
+    }
+
+    /// # Errors
+    /// A core that cannot be built.
+    pub fn build(self) -> Result<Rc<Module>> {
+        match self {
+            Core::LoopFd(parameters) => cores::loop_fd::build(parameters),
+            Core::CcStrip(parameters) => cores::cc_strip::build(parameters),
+        }
     }
 }

@@ -5,21 +5,27 @@
 //!   Stage, design ─► reference ─► every vertex of every patch ─► Tally
 //!   design ─► Parameters ─► the core                    design, largest valence ─► bound
 //! ```
+//!
+//! Around irregular vertices a mesh has patches of all levels. A regular mesh has those of one level only, and the core
+//! of a reduced format is then narrower, so the core of a design depends on the mesh as well.
 
 use super::meshes::Subject;
 use super::point::{Design, Precision};
 use super::tally::{Tally, Truth};
 use crate::cores::loop_fd::Parameters;
 use crate::error::{Error, Result};
-use crate::fixed::{Format, Rounding};
+use crate::fixed::{Format, Fractions, Precision as Numbers, Reduced, Rounding};
 use crate::mesh;
-use crate::model::loop_fd::{LoopFd, direct};
+use crate::model::loop_fd::{LoopFd, direct, reduced};
 use crate::model::render::render;
+use crate::surface::basis;
 use crate::surface::control_mesh::ControlMesh;
 use crate::surface::error_bound::{Accuracy, error_bound_lsb};
 use crate::surface::fine_grid::FineGrid;
 use crate::surface::limit_oracle::{FRACTION, LimitOracle};
 use crate::surface::packets;
+use crate::surface::precision::total_lsb;
+use crate::surface::precision::worst::{self, Side};
 use crate::surface::table::Table;
 
 /// What all points of one mesh, coordinate format and level share.
@@ -29,6 +35,8 @@ pub struct Stage {
     truth: Truth,
     /// The number of every vertex of every patch, in the order of the reference.
     vertices: Vec<u32>,
+    /// The lowest level of a patch.
+    lowest: u32,
 }
 
 /// The most vertices of all patches together: some 100 bytes each.
@@ -54,8 +62,8 @@ impl Stage {
             Some(_) => f64::from(level + 1) * (-f64::from(FRACTION)).exp2(),
         };
         let truth = Truth::new(limits, 12 << FRACTION, uncertainty);
-        let vertices = numbers(&control, level)?;
-        Ok(Stage { control, level, truth, vertices })
+        let (vertices, lowest) = numbers(&control, level)?;
+        Ok(Stage { control, level, truth, vertices, lowest })
     }
 
     pub fn uncertainty(&self) -> f64 {
@@ -90,73 +98,125 @@ impl Stage {
         Ok(())
     }
 
-    /// No vertex of this mesh is farther from the limit surface, in output units.
-    pub fn bound(&self, design: &Design) -> f64 {
-        error_bound_lsb(&Accuracy {
+    /// The core of a design for this mesh.
+    ///
+    /// # Errors
+    /// As [`parameters`].
+    pub fn parameters(&self, design: &Design) -> Result<Parameters> {
+        let parameters = parameters(design)?;
+        match design.precision {
+            Precision::Exact => Ok(parameters),
+            _ => parameters.with_min_level(self.lowest),
+        }
+    }
+
+    /// No vertex of this mesh is farther from the limit surface, in output units: what the hierarchy rounds around
+    /// irregular vertices, and what the format rounds in the patches.
+    ///
+    /// # Errors
+    /// As [`parameters`].
+    pub fn bound(&self, design: &Design) -> Result<f64> {
+        let exact = error_bound_lsb(&Accuracy {
             width: design.coordinates.width(),
             extra_fraction: 0,
             level: self.level,
             table_bits: design.table,
             largest_irregular_valence: self.control.largest_irregular_valence(),
+        });
+        Ok(match numbers_of(design)?.reduced() {
+            None => exact,
+            // The sum of two numbers that are rounded up may still fall by its own last bit.
+            Some(reduced) => (exact - 0.5 + total_lsb(reduced, self.level, 0)).next_up(),
         })
     }
 }
 
-/// The numbers of the vertices of all patches: column i = 0..n, in each j = 0..n-i.
-fn numbers(control: &ControlMesh, level: u32) -> Result<Vec<u32>> {
+/// The numbers of the vertices of all patches, column i = 0..n, in each j = 0..n-i, and the lowest level of a patch.
+fn numbers(control: &ControlMesh, level: u32) -> Result<(Vec<u32>, u32)> {
     let grid = FineGrid::new(control, level)?;
-    let mut vertices = vec![];
+    let (mut vertices, mut lowest) = (vec![], level);
     packets::patches(control, level, level, &Table::for_width(control.width())?, |patch| {
+        lowest = lowest.min(patch.level);
         let n = patch.steps();
         for (i, j) in (0..=n).flat_map(|i| (0..=n - i).map(move |j| (i, j))) {
             let [u, v] = patch.lattice(i, j);
             vertices.push(grid.vertex(patch.face as usize, u as usize, v as usize) as u32);
         }
     })?;
-    Ok(vertices)
+    Ok((vertices, lowest))
 }
 
 fn reference(design: &Design) -> Result<LoopFd> {
-    LoopFd::new(design.coordinates.width(), 0, design.level)
+    LoopFd::new(design.coordinates.width(), 0, design.level)?.with_precision(numbers_of(design)?)
 }
 
-/// The core of a design.
+/// How a core of this design keeps its differences.
+fn numbers_of(design: &Design) -> Result<Numbers> {
+    let fractions = match design.precision {
+        Precision::Exact => return Ok(Numbers::Exact),
+        Precision::Uniform(bits) => Fractions::uniform(bits)?,
+        Precision::Progressive(bits) => Fractions::new(bits)?,
+        Precision::Guard(_) => {
+            return Err(Error::usage("guard bits in Loop's scheme")
+                .help("guard bits are for --scheme catmull-clark; use --fraction"));
+        }
+    };
+    Ok(Numbers::Reduced(Reduced { rounding: design.rounding, ..Reduced::new(fractions) }))
+}
+
+/// The core of a design, for every mesh.
 ///
 /// # Errors
 /// A design that no core has.
 pub fn parameters(design: &Design) -> Result<Parameters> {
-    let refuse = |what: String, help: &str| Err(Error::usage(what).help(help));
-    match design.precision {
-        Precision::Exact if design.rounding == Rounding::HalfUp => {}
-        Precision::Exact => {
-            return refuse(
-                format!("the exact format rounds {}", design.rounding),
-                "it rounds once, half up: use --rounding half-up",
-            );
-        }
-        Precision::Guard(_) => {
-            return refuse("guard bits in Loop's scheme".into(), "guard bits are for --scheme catmull-clark");
-        }
-        Precision::Uniform(_) | Precision::Progressive(_) => {
-            return refuse(format!("a core with {} fraction bits", design.precision), "use the exact format");
-        }
+    if design.precision == Precision::Exact && design.rounding != Rounding::HalfUp {
+        return Err(Error::usage(format!("the exact format rounds {}", design.rounding))
+            .help("it rounds once, half up: use --rounding half-up"));
     }
     Table::new(design.table)?;
-    Parameters::new(design.coordinates, design.coordinates.fraction, design.level, design.registers)
+    reference(design)?;
+    Parameters::new(design.coordinates, design.coordinates.fraction, design.level, design.registers)?
+        .with_precision(numbers_of(design)?)
 }
 
-/// The largest error over control points that are made to be the worst, in output units.
+/// The part of a design that [`worst`] depends on.
+pub fn worst_name(design: &Design) -> String {
+    format!("{} {} {} {}", design.coordinates, design.level, design.precision, design.rounding)
+}
+
+/// The largest error over control points that are made to be the worst, in output units; none where no such points
+/// are found.
 ///
-/// The exact format rounds once, so the worst is a tie: P0 = 6 alone puts the first corner at 6/12.
+/// The exact format rounds once, so the worst is a tie: P0 = 6 alone puts the first corner at 6/12. Reduced formats
+/// round the start-up, and [`worst`](crate::surface::precision::worst) pushes all of these roundings to one side.
 ///
 /// # Errors
 /// As [`parameters`].
 pub fn worst(design: &Design) -> Result<Option<f64>> {
-    let core = reference(design)?;
-    let mut points = [[0i128; 3]; 12];
-    points[0] = [6; 3];
-    let found = direct::vertex(&core, design.level, &points, 0, 0);
-    Ok(Some((found[0] as f64 - 0.5).abs()))
+    let (core, width) = (reference(design)?, design.coordinates.width());
+    let Some(reduced) = core.precision().reduced() else {
+        let mut points = [[0i128; 3]; 12];
+        points[0] = [6; 3];
+        let found = direct::vertex(&core, design.level, &points, 0, 0);
+        return Ok(Some((found[0] as f64 - 0.5).abs()));
+    };
+    let cases = [Side::Above, Side::Below].map(|side| worst::points(reduced, design.level, width, side));
+    let errors = cases.iter().flatten().map(|case| corner_error(&core, design.level, &case.points));
+    Ok(errors.reduce(f64::max))
+}
+
+/// |output - exact position| of p(n, 0), in output units.
+fn corner_error(core: &LoopFd, level: u32, points: &[i64; 12]) -> f64 {
+    let n = 1u32 << level;
+    let wide = points.map(|p| [i128::from(p); 3]);
+    let Some(mut columns) = reduced::columns(core) else { return 0.0 };
+    columns.start(level, &wide);
+    (0..n).for_each(|_| columns.next(&mut []));
+    let mut last = [[0; 3]];
+    columns.next(&mut last);
+    let exact: i128 = basis::mask(level, n, 0).iter().zip(&wide).map(|(&w, p)| i128::from(w) * p[0]).sum();
+    let unit = i128::from(basis::denominator(level));
+    (i128::from(last[0][0]) * unit - exact).unsigned_abs() as f64 / unit as f64
 }
 
 #[cfg(test)]

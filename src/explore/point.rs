@@ -94,9 +94,8 @@ impl Point {
     /// The order in which points are listed: by mesh and evaluation, so that neighbours share the most.
     pub fn order(&self) -> impl Ord + use<> {
         let design = &self.design;
-        let rounding = design.rounding.to_string();
         let shared = (self.mesh.clone(), design.scheme, design.coordinates, design.level, design.table);
-        (shared, design.precision, rounding, design.registers)
+        (shared, design.precision, design.rounding, design.registers)
     }
 }
 
@@ -162,18 +161,6 @@ impl Design {
             Scheme::CatmullClark => coordinates.width() + 13,
         }
     }
-}
-
-/// A rounding mode by its name.
-///
-/// # Errors
-/// Names the modes.
-pub fn rounding(text: &str) -> Result<Rounding> {
-    let modes = [Rounding::HalfUp, Rounding::HalfEven, Rounding::Floor];
-    modes.into_iter().find(|mode| mode.to_string() == text).ok_or_else(|| {
-        let names: Vec<String> = modes.iter().map(ToString::to_string).collect();
-        Error::usage(format!("there is no rounding '{text}'")).help(format!("use {}", names.join(", ")))
-    })
 }
 
 #[cfg(test)]

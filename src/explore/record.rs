@@ -10,7 +10,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::cost::Cost;
-use super::point::{Design, MeshName, Point, Scheme, rounding};
+use super::point::{Design, MeshName, Point, Scheme};
 use super::synth::Synthesis;
 use super::tally::Cracks;
 use crate::cores::loop_fd::RegisterForm;
@@ -90,7 +90,7 @@ impl Planned {
             level: self.level,
             precision: self.precision.parse()?,
             table: self.table,
-            rounding: rounding(&self.rounding)?,
+            rounding: self.rounding.parse()?,
             registers: RegisterForm::from_count(registers)
                 .ok_or_else(|| Error::input(format!("no core has {registers} registers a coordinate")))?,
         };

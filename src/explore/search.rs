@@ -3,6 +3,8 @@
 //! ```text
 //!   one number of bits    the bound falls with every bit: the fewest that meet the target, and one bit less
 //!   the table             likewise, with the format beside it
+//!   progressive           the cheapest of all, by the registers that count: those of the engine alone, or with
+//!                         those that wait for the next patch
 //! ```
 //!
 //! The search decides by the proven bound alone; what it finds is then evaluated like any other point.
@@ -11,12 +13,18 @@ use super::axes::{Axes, check};
 use super::evaluate::Evaluator;
 use super::meshes::Subject;
 use super::point::{Design, Point, Precision, Scheme};
+use crate::cores::loop_fd::RegisterForm;
 use crate::error::Result;
-use crate::fixed::Format;
+use crate::fixed::{Format, Rounding};
 use crate::mesh;
+use crate::surface::precision::search::REGISTERS_20;
+use crate::surface::precision::{Dyadic, cheapest_progressive};
 
 /// The most fraction or guard bits that are tried.
 const MOST_BITS: u32 = 48;
+
+/// Registers of a coordinate by order: of the engine, and with the twelve that wait for the next patch.
+const WEIGHTS: [[u32; 5]; 2] = [REGISTERS_20, [4, 6, 8, 10, 4]];
 
 /// The fewest table bits that any core has.
 const LEAST_TABLE: u32 = 8;
@@ -120,6 +128,24 @@ impl Search<'_> {
         Ok(None)
     }
 
+    /// The cheapest progressive formats that leave room for what the mesh itself adds.
+    fn progressive(&self, base: Design) -> Result<Vec<Design>> {
+        let Some(exact) = self.bound(Design { rounding: Rounding::HalfUp, ..base })? else {
+            return Ok(vec![]);
+        };
+        // 2^-40 units finer than any format that matters, and never too much.
+        let room = ((self.target_lsb - exact) * 40f64.exp2()).floor() - 1.0;
+        if room < 1.0 {
+            return Ok(vec![]);
+        }
+        let room = Dyadic::new(room as u128, 40);
+        let formats = WEIGHTS
+            .iter()
+            .filter_map(|&weights| cheapest_progressive(base.level, room, base.rounding, weights));
+        let designs = formats.map(|f| Design { precision: Precision::Progressive(f.all()), ..base });
+        Ok(designs.filter(|design| design.registers != RegisterForm::Relative19).collect())
+    }
+
     fn designs(&self, base: Design) -> Result<Vec<Design>> {
         let mut designs = vec![base];
         let kinds: &[fn(u32) -> Precision] = match base.scheme {
@@ -139,6 +165,9 @@ impl Search<'_> {
                     designs.extend(table.map(narrow));
                 }
             }
+        }
+        if base.scheme == Scheme::Loop {
+            designs.extend(self.progressive(base)?);
         }
         designs.retain(|design| check(design).is_ok());
         Ok(designs)

@@ -9,7 +9,7 @@ use crate::error::{Error, Result};
 use crate::explore::axes::{Axes, Sweep};
 use crate::explore::meshes::Subject;
 use crate::explore::pareto::Price;
-use crate::explore::point::{Origin, Precision, Scheme, rounding};
+use crate::explore::point::{Origin, Precision, Scheme};
 use crate::explore::ranges::{Fractions, Numbers};
 use crate::fixed::{Format, Rounding};
 
@@ -61,7 +61,7 @@ pub struct Varying {
     pub table: Option<Numbers>,
 
     /// How bits are dropped: half-up, half-even, floor, truncate
-    #[arg(long, value_name = "MODE,..", value_delimiter = ',', default_value = "half-up", value_parser = rounding)]
+    #[arg(long, value_name = "MODE,..", value_delimiter = ',', default_value = "half-up")]
     #[arg(help_heading = "Number formats")]
     pub rounding: Vec<Rounding>,
 
