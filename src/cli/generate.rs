@@ -6,12 +6,12 @@ use super::{
     config::Config,
     output,
     progress::Progress,
-    values::{FINEST_LEVEL, Registers, USUAL_MAX_LEVEL},
+    values::{FINEST_LEVEL, Numbers, Registers, USUAL_MAX_LEVEL},
 };
 use crate::{
     cores::{cc_strip, loop_fd::Parameters},
     error::Result,
-    fixed::Format,
+    fixed::{Format, Fractions, Precision},
     package,
 };
 use std::path::PathBuf;
@@ -105,9 +105,16 @@ pub struct LoopFd {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=FINEST_LEVEL as i64))]
     pub max_level: Option<u32>,
 
+    /// The coarsest level; reduced differences of fine levels are narrower [default: 0]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=FINEST_LEVEL as i64))]
+    pub min_level: Option<u32>,
+
     /// Registers of each coordinate [default: 20]
     #[arg(long, value_name = "COUNT")]
     pub registers: Option<Registers>,
+
+    #[command(flatten)]
+    pub numbers: Numbers,
 
     /// Write without the proof; the manifest says so
     #[arg(long, overrides_with = "proof")]
@@ -134,13 +141,18 @@ const EXAMPLES: &str = "\
 Examples:
   subdiv-rtl generate loop-fd
   subdiv-rtl generate loop-fd --coordinates Q1.17 --max-level 5 -o rtl/small
+  subdiv-rtl generate loop-fd --max-level 5 --fractions 8,12,14,17,18
   subdiv-rtl generate loop-fd --config core.toml
 
 where core.toml has any of these lines:
   coordinates = \"Q12.12\"
   output-fraction = 12
   max-level = 8
+  min-level = 0
   registers = 20
+  fraction = 17                # or fractions = \"8,12,14,17,18\"
+  rounding = \"half-up\"
+  saturate = false
   proof = true
   output = \"rtl/loop-fd\"     # from the folder of the configuration";
 
@@ -157,7 +169,9 @@ pub fn run(args: &Args) -> Result<()> {
                 settings.output_fraction,
                 settings.max_level,
                 settings.registers.form(),
-            )?;
+            )?
+            .with_min_level(settings.min_level)?
+            .with_precision(settings.precision)?;
             let _shown = working(settings.proof);
             (package::loop_fd::package(parameters, settings.proof)?, settings.folder, settings.force)
         }
@@ -182,7 +196,9 @@ pub struct Settings {
     pub coordinates: Format,
     pub output_fraction: u32,
     pub max_level: u32,
+    pub min_level: u32,
     pub registers: Registers,
+    pub precision: Precision,
     /// Whether to prove the core before it is written.
     pub proof: bool,
     /// Whether to write into a folder that holds other files.
@@ -196,8 +212,19 @@ impl LoopFd {
     /// # Errors
     /// Those of the configuration file.
     pub fn settings(&self) -> Result<Settings> {
-        const KEYS: [&str; 6] =
-            ["coordinates", "output-fraction", "max-level", "registers", "proof", "output"];
+        const KEYS: [&str; 11] = [
+            "coordinates",
+            "output-fraction",
+            "max-level",
+            "min-level",
+            "registers",
+            "fraction",
+            "fractions",
+            "rounding",
+            "saturate",
+            "proof",
+            "output",
+        ];
         let file = self.config.as_ref().map(|file| Config::read(file, &KEYS)).transpose()?;
         let file = file.as_ref();
 
@@ -211,12 +238,25 @@ impl LoopFd {
         let fraction = whole("output-fraction", Format::WIDEST - 1);
         let registers = |file: &Config| file.whole("registers", "23, 22, 20 or 19", Registers::from_count);
         let proof = (self.proof || self.no_proof).then_some(self.proof);
+        let one = or_file(self.numbers.fraction, file, whole("fraction", Fractions::MOST))?;
+        let each = or_file(self.numbers.fractions, file, |file| file.text("fractions"))?;
+        // Fractions on the command line are instead of those of the file, of whichever kind they are.
+        let said = self.numbers.fraction.is_some() || self.numbers.fractions.is_some();
+        let numbers = Numbers {
+            fraction: if said { self.numbers.fraction } else { one },
+            fractions: if said { self.numbers.fractions } else { each },
+            rounding: or_file(self.numbers.rounding, file, |file| file.text("rounding"))?,
+            saturate: or_file(self.numbers.saturate.then_some(true), file, |file| file.truth("saturate"))?
+                .unwrap_or(false),
+        };
         Ok(Settings {
             coordinates,
             output_fraction: or_file(self.output_fraction, file, fraction)?.unwrap_or(coordinates.fraction),
             max_level: or_file(self.max_level, file, whole("max-level", FINEST_LEVEL))?
                 .unwrap_or(USUAL_MAX_LEVEL),
+            min_level: or_file(self.min_level, file, whole("min-level", FINEST_LEVEL))?.unwrap_or(0),
             registers: or_file(self.registers, file, registers)?.unwrap_or_default(),
+            precision: numbers.precision()?,
             proof: or_file(proof, file, |file| file.truth("proof"))?.unwrap_or(true),
             force: self.force,
             folder: or_file(self.output.clone(), file, |file| file.path("output"))?
@@ -262,11 +302,38 @@ mod tests {
         let coordinates = Format { integer: 12, fraction: 12 };
         let folder = PathBuf::from("loop-fd");
         let registers = Registers::WithoutDoubles;
-        let (output_fraction, max_level, proof, force) = (12, 8, true, false);
+        let (output_fraction, max_level, min_level, proof, force) = (12, 8, 0, true, false);
+        let precision = Precision::Exact;
         assert_eq!(
             settings,
-            Settings { coordinates, output_fraction, max_level, registers, proof, force, folder }
+            Settings {
+                coordinates,
+                output_fraction,
+                max_level,
+                min_level,
+                registers,
+                precision,
+                proof,
+                force,
+                folder
+            }
         );
+    }
+
+    #[test]
+    fn fractions_of_the_command_line_stand_in_for_those_of_the_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("core.toml");
+        fs::write(&file, "fraction = 9\nrounding = \"floor\"\nsaturate = true\n").unwrap();
+        let with =
+            |words: &str| parse(&format!("--config {} {words}", file.display())).unwrap().settings().unwrap();
+        assert_eq!(with("").precision.to_string(), "9 floor saturate");
+        assert_eq!(with("--fractions 1,2,3,4,5").precision.to_string(), "1,2,3,4,5 floor saturate");
+        assert_eq!(with("--rounding half-up").precision.to_string(), "9 half-up saturate");
+        fs::write(&file, "fraction = 9\nfractions = \"1,2,3,4,5\"\n").unwrap();
+        let both = parse(&format!("--config {}", file.display())).unwrap().settings();
+        assert_eq!(both.unwrap_err().exit_status(), 2);
+        assert_eq!(parse("--saturate").unwrap().settings().unwrap_err().exit_status(), 2);
     }
 
     #[test]

@@ -66,7 +66,7 @@ impl LoopBench {
             starts: vec![],
             output: traffic.output.clone(),
         };
-        let mut failure = None;
+        let (mut failure, mut coarse) = (None, None);
         bench.counts = packets::patches(mesh, level, parameters.max_level, &table, |patch| {
             bench.input.extend(traffic.packet(patch.level, &patch.points));
             bench.starts.push(bench.expected.len() as u64);
@@ -78,10 +78,19 @@ impl LoopBench {
                 corners: patch.corners,
                 points: [(); 12],
             });
+            if patch.level < parameters.min_level {
+                coarse = Some(patch.level);
+            }
             if let Err(error) = traffic.answer(patch.level, &patch.points, &mut bench.expected) {
                 failure.get_or_insert(error);
             }
         })?;
+        if let Some(level) = coarse {
+            return Err(Error::input(format!(
+                "the mesh has irregular vertices: patches of level {level} lie around them"
+            ))
+            .help("lower --min-level to 0, or take a mesh whose vertices have valence 6 (4 at a boundary)"));
+        }
         failure.map_or(Ok(bench), Err)
     }
 

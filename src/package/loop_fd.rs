@@ -6,19 +6,32 @@ use serde_json::{Value, json};
 
 use super::{Draft, Package, assemble};
 use crate::cores::loop_fd::proof::{Proof, prove};
-use crate::cores::loop_fd::{Parameters, RegisterForm, build};
-use crate::cosim::loop_bench::{self, LoopBench};
+use crate::cores::loop_fd::{Parameters, RegisterForm, build, words};
+use crate::cosim::Beat;
+use crate::cosim::loop_bench::{self, LoopBench, extra_fraction};
+use crate::cosim::loop_trial::{LoopTrial, Packet};
 use crate::error::Result;
+use crate::fixed::Reduced;
 use crate::hdl::{Module, verilog};
 use crate::model::loop_fd_clocks;
 use crate::surface::control_mesh::ControlMesh;
+use crate::surface::precision::{of_patch, total_lsb};
 
 /// The command that generates the core with these parameters.
 pub fn command(parameters: Parameters) -> String {
-    format!(
-        "subdiv-rtl generate loop-fd --coordinates {} --output-fraction {} --max-level {} --registers {}",
-        parameters.coordinates, parameters.output_fraction, parameters.max_level, parameters.registers
-    )
+    let Parameters { coordinates, output_fraction, max_level, min_level, registers, precision } = parameters;
+    let mut command = format!(
+        "subdiv-rtl generate loop-fd --coordinates {coordinates} --output-fraction {output_fraction} --max-level {max_level} --registers {registers}"
+    );
+    if min_level > 0 {
+        command += &format!(" --min-level {min_level}");
+    }
+    if let Some(Reduced { fractions, rounding, saturate }) = precision.reduced() {
+        let option = if fractions.is_uniform() { "fraction" } else { "fractions" };
+        command += &format!(" --{option} {fractions} --rounding {rounding}");
+        command += if saturate { " --saturate" } else { "" };
+    }
+    command
 }
 
 /// The core and its files in memory; with `prove_it`, only if the proof holds.
@@ -31,7 +44,7 @@ pub fn package(parameters: Parameters, prove_it: bool) -> Result<Package> {
     let command = command(parameters);
     let sources = verilog::print(&core, &command)?;
     let dut = loop_bench::device(&core, &sources);
-    let bench = sample(&core, parameters)?;
+    let (input, expected) = sample(&core, parameters)?;
 
     let draft = Draft {
         core: "loop-fd",
@@ -42,30 +55,62 @@ pub fn package(parameters: Parameters, prove_it: bool) -> Result<Package> {
         latency: latency(&core),
         initiation_interval: initiation_interval(&core, parameters),
         proofs: proofs(proof.as_ref()),
-        input: &bench.input,
-        expected: &bench.expected,
+        input: &input,
+        expected: &expected,
     };
     assemble(&core, &dut, draft)
 }
 
-/// Vectors that come with the testbench: an octahedron, whose patches are of every kind.
-fn sample(core: &Rc<Module>, parameters: Parameters) -> Result<LoopBench> {
+/// Vectors that come with the testbench: an octahedron, whose patches are of every kind; a single patch for a
+/// core that has no level 0.
+fn sample(core: &Rc<Module>, parameters: Parameters) -> Result<(Vec<Beat>, Vec<Beat>)> {
     let c = parameters.coordinates.max() / 2;
+    if parameters.min_level > 0 {
+        let level = parameters.min_level;
+        let finer = 4 * (parameters.max_level - level);
+        let points = (0..12).map(|i: i64| [c - i * i * c / 100, i * c / 12, c / 3 - i * c / 9]);
+        let points = points.map(|p| p.map(|x| i128::from(x) << finer)).collect();
+        let trial = LoopTrial::new(core, parameters, &[Packet { level, points }])?;
+        return Ok((trial.input, trial.expected));
+    }
     let positions = vec![[c, 0, 0], [0, c, 0], [0, 0, c], [-c, 0, 0], [0, -c, 0], [0, 0, -c]];
     let triangles =
         vec![[0, 1, 2], [1, 3, 2], [3, 4, 2], [4, 0, 2], [1, 0, 5], [3, 1, 5], [4, 3, 5], [0, 4, 5]];
     let mesh = ControlMesh::new(positions, triangles)?;
-    LoopBench::new(core, parameters, &mesh, parameters.max_level.min(3))
+    let bench = LoopBench::new(core, parameters, &mesh, parameters.max_level.min(3))?;
+    Ok((bench.input, bench.expected))
 }
 
 fn parameters_json(parameters: Parameters) -> Value {
-    json!({
+    let mut object = json!({
         "coordinates": parameters.coordinates.to_string(),
         "output_fraction": parameters.output_fraction,
         "max_level": parameters.max_level,
         "registers": parameters.registers.count(),
         "register_forms": RegisterForm::ALL.map(RegisterForm::count),
-    })
+    });
+    if parameters.min_level > 0 {
+        object["min_level"] = json!(parameters.min_level);
+    }
+    if let Some(reduced) = parameters.precision.reduced() {
+        let width = |m: u32| words::difference(parameters, reduced, (m - m / 4, m / 4)).width();
+        let widths = [0, 1, 2, 3, 4].map(width);
+        let error = of_patch(reduced, parameters.max_level);
+        let extra = extra_fraction(parameters);
+        object["differences"] = json!({
+            "fractions": reduced.fractions.all(),
+            "widths": widths,
+            "rounding": reduced.rounding.to_string(),
+            "saturate": reduced.saturate,
+            "error_before_last_rounding": {
+                "unit": "of the control coordinates",
+                "above": error.above.to_string(),
+                "below": error.below.to_string(),
+            },
+            "bound_lsb": total_lsb(reduced, parameters.max_level, extra),
+        });
+    }
+    object
 }
 
 fn streams(parameters: Parameters) -> Value {

@@ -54,6 +54,25 @@ impl<'a> Assembly<'a> {
         vertices.len()
     }
 
+    /// How far apart the positions of one vertex lie at most, along an axis, in units of the output.
+    pub fn largest_crack(&self) -> i64 {
+        let mut most = 0;
+        for group in self.others.iter().collect::<Vec<_>>().chunk_by(|a, b| a.0 == b.0) {
+            let Some(first) = group.first().and_then(|(id, _)| self.positions[*id]) else { continue };
+            for axis in 0..3 {
+                let all = group.iter().map(|(_, position)| position[axis]).chain([first[axis]]);
+                let (least, greatest) = all.fold((i64::MAX, i64::MIN), |(a, b), x| (a.min(x), b.max(x)));
+                most = most.max(greatest - least);
+            }
+        }
+        most
+    }
+
+    /// Positions that differ from the first one of their vertex, in the order of the vertices.
+    pub fn other_positions(&self) -> impl Iterator<Item = (usize, [i64; 3])> + '_ {
+        self.others.iter().copied()
+    }
+
     /// The first vertices (at most `limit`) that came out at more than one position, for a message.
     pub fn first_cracks(&self, limit: usize) -> impl Iterator<Item = (usize, [i64; 3])> + '_ {
         self.others.iter().copied().take(limit)
@@ -97,6 +116,10 @@ mod tests {
             assembly.put(&patch, 0, 0, moved);
         }
         assert_eq!((assembly.cracks(), assembly.distinct_vertices()), (1, 4));
+        assert_eq!(assembly.largest_crack(), 1);
+        assembly.put(&patch, 0, 0, [1, 0, 3]);
+        // From 0 to 3 in y.
+        assert_eq!((assembly.largest_crack(), assembly.other_positions().count()), (3, 4));
         assembly.put(&patch, 1, 0, [0; 3]);
         assert_eq!(assembly.positions(), None);
         assembly.put(&patch, 0, 1, [5; 3]);

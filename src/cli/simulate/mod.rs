@@ -10,12 +10,12 @@ pub use run::is_mismatch;
 
 use super::{
     output::{self, FormatArg},
-    values::{FINEST_LEVEL, Registers, USUAL_MAX_LEVEL},
+    values::{FINEST_LEVEL, Numbers, Registers, USUAL_MAX_LEVEL},
 };
 use crate::{
     cosim::Stall,
     error::{Error, Result},
-    fixed::Format,
+    fixed::{Format, Precision},
 };
 use clap::ValueEnum;
 use std::{
@@ -86,9 +86,16 @@ pub struct Core {
     #[arg(long, value_name = "N", value_parser = level())]
     pub max_level: Option<u32>,
 
+    /// The coarsest level the core is made for; only meshes without irregular vertices can do without level 0
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = level())]
+    pub min_level: u32,
+
     /// Registers of each coordinate
     #[arg(long, value_name = "COUNT", value_enum, default_value_t)]
     pub registers: Registers,
+
+    #[command(flatten)]
+    pub numbers: Numbers,
 }
 
 /// How it is run.
@@ -208,7 +215,9 @@ pub struct Settings {
     /// Nothing: that of the coordinates.
     pub output_fraction: Option<u32>,
     pub max_level: u32,
+    pub min_level: u32,
     pub registers: Registers,
+    pub precision: Precision,
     /// Guard bits of the strip core; nothing: exact.
     pub guard: Option<u32>,
     pub simulators: Simulators,
@@ -272,6 +281,15 @@ impl Args {
             let what = format!("level {} of a core that ends at level {max_level}", self.level);
             return Err(Error::usage(what).help("lower --level or raise --max-level"));
         }
+        if self.level < self.core.min_level {
+            let what = format!("level {} of a core that begins at level {}", self.level, self.core.min_level);
+            return Err(Error::usage(what).help("raise --level or lower --min-level"));
+        }
+        let precision = self.core.numbers.precision()?;
+        if self.scheme == Scheme::CatmullClark && precision != Precision::Exact {
+            return Err(Error::usage("fraction bits of differences, of which strips have none")
+                .help("with --scheme catmull-clark, give --guard N"));
+        }
         let fine_mesh = self.keep.output.clone();
         for file in [&fine_mesh, &self.keep.picture, &self.keep.vcd].into_iter().flatten() {
             in_a_folder(file)?;
@@ -292,7 +310,9 @@ impl Args {
             coordinates: self.core.coordinates,
             output_fraction: self.core.output_fraction,
             max_level,
+            min_level: self.core.min_level,
             registers: self.core.registers,
+            precision,
             guard: self.core.guard,
             simulators: simulators(&self.run.simulator)?,
             back_pressure: self.run.back_pressure,
@@ -387,6 +407,22 @@ mod tests {
         assert_eq!(settings("a.obj --level 2 --max-level 2").max_level, 2);
         assert!(parse("a.obj --level 3 --max-level 2").unwrap().settings().is_err());
         assert!(parse("a.obj --level 11").is_err());
+    }
+
+    #[test]
+    fn reduced_numbers_are_for_the_differences_of_loop() {
+        let precision = |words: &str| settings(&format!("a.obj {words}")).precision.to_string();
+        assert_eq!(precision("--fraction 17"), "17 half-up");
+        assert_eq!(precision("--fractions 7,11,15,18,18 --rounding floor"), "7,11,15,18,18 floor");
+        for words in
+            ["--fractions 7,11", "--fractions 3,2,2,2,2", "--rounding up", "--fraction 7 --fractions 7"]
+        {
+            assert!(parse(&format!("a.obj {words}")).is_err(), "{words}");
+        }
+        for words in ["--saturate", "--fraction 7 --scheme catmull-clark", "--min-level 6"] {
+            let refused = parse(&format!("a.obj {words}")).unwrap().settings();
+            assert_eq!(refused.unwrap_err().exit_status(), 2, "{words}");
+        }
     }
 
     #[test]

@@ -22,6 +22,7 @@ use crate::surface::assembly::Assembly;
 use crate::surface::control_mesh::ControlMesh;
 use crate::surface::error_bound::{Accuracy, error_bound_lsb};
 use crate::surface::limit_oracle::LimitOracle;
+use crate::surface::precision;
 use crate::surface::table::Table;
 
 /// Runs everything and prints the result. Files are written only when all is right; an error of kind
@@ -40,7 +41,9 @@ pub fn run(settings: &Settings) -> Result<()> {
 
     let output_fraction = settings.output_fraction.unwrap_or(coordinates.fraction);
     let parameters =
-        Parameters::new(coordinates, output_fraction, settings.max_level, settings.registers.form())?;
+        Parameters::new(coordinates, output_fraction, settings.max_level, settings.registers.form())?
+            .with_min_level(settings.min_level)?
+            .with_precision(settings.precision)?;
     let core = build(parameters)?;
     let mut bench = LoopBench::new(&core, parameters, &control, settings.level)?;
     let outcomes = simulate(settings, &core, parameters, &mut bench)?;
@@ -49,7 +52,14 @@ pub fn run(settings: &Settings) -> Result<()> {
     let oracle = LimitOracle::new(&control, settings.level)?;
     let extra = loop_bench::extra_fraction(parameters);
     let positions = drawn.positions();
-    let error = positions.as_ref().map(|p| oracle.error(p, extra)).transpose()?;
+    let mut error = positions.as_ref().map(|p| oracle.error(p, extra)).transpose()?;
+    if let Some(error) = &mut error {
+        // Where patches disagree, every position counts.
+        for (vertex, position) in drawn.other_positions() {
+            error.max = error.max.max(oracle.vertex_error(vertex, position, extra));
+        }
+        error.at_most_half &= error.max <= 0.5;
+    }
     let accuracy = Accuracy {
         width: coordinates.width(),
         extra_fraction: extra,
@@ -67,7 +77,7 @@ pub fn run(settings: &Settings) -> Result<()> {
         bench: &bench,
         drawn: &drawn,
         error,
-        bound: error_bound_lsb(&accuracy),
+        bound: bound(parameters, &accuracy),
         outcomes: &outcomes,
     };
     let verdict = result::verdict(&found);
@@ -80,6 +90,16 @@ pub fn run(settings: &Settings) -> Result<()> {
     match verdict {
         Verdict::Right => Ok(()),
         Verdict::Wrong(error) => Err(error),
+    }
+}
+
+/// The proven bound on the error of a vertex: what irregular vertices and the format of the differences add
+/// to the final rounding.
+fn bound(parameters: Parameters, accuracy: &Accuracy) -> f64 {
+    let exact = error_bound_lsb(accuracy);
+    match parameters.precision.reduced() {
+        None => exact,
+        Some(reduced) => exact - 0.5 + precision::total_lsb(reduced, accuracy.level, accuracy.extra_fraction),
     }
 }
 
