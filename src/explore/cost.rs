@@ -30,6 +30,9 @@ const DSP_BITS: u32 = 18;
 pub struct Cost {
     /// Counted.
     pub register_bits: u64,
+    /// Those of the difference engines alone, which every further lane needs again, where start-up and streams can be
+    /// shared; of a core without engines all of them.
+    pub engine_bits: u64,
     pub adder_bits: u64,
     pub multiplexer_bits: u64,
     pub memory_bits: u64,
@@ -47,6 +50,7 @@ impl Cost {
         let delay = CLOCK.0 + CLOCK.1 * f64::from(more.longest_carry);
         Cost {
             register_bits: counts.register_bits,
+            engine_bits: engine_bits(core).unwrap_or(counts.register_bits),
             adder_bits: counts.adder_bits,
             multiplexer_bits: counts.multiplexer_bits,
             memory_bits: counts.memory_bits,
@@ -60,6 +64,12 @@ impl Cost {
             clock_mhz: (1e4 / delay).round() / 10.0,
         }
     }
+}
+
+/// Register bits of the instances that are engines; nothing where there are none.
+fn engine_bits(core: &Module) -> Option<u64> {
+    let engines = core.instances.iter().filter(|instance| instance.name.starts_with("engine_"));
+    engines.map(|engine| Counts::of(&engine.module).register_bits).reduce(|sum, bits| sum + bits)
 }
 
 /// What the estimate needs beyond the counts.

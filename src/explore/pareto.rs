@@ -22,8 +22,11 @@ use crate::fixed::Format;
 /// What a design costs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Price {
+    /// Registers of the whole core.
     #[default]
     RegisterBits,
+    /// Registers of the difference engines alone.
+    EngineBits,
     Luts,
 }
 
@@ -41,6 +44,7 @@ pub struct Candidate {
     /// The unit of the last place.
     pub unit: f64,
     pub register_bits: u64,
+    pub engine_bits: u64,
     pub luts: u64,
     pub clock_mhz: f64,
     pub meshes: usize,
@@ -52,6 +56,7 @@ impl Candidate {
     pub fn price(&self, price: Price) -> u64 {
         match price {
             Price::RegisterBits => self.register_bits,
+            Price::EngineBits => self.engine_bits,
             Price::Luts => self.luts,
         }
     }
@@ -74,9 +79,9 @@ impl Candidate {
         };
         self.cracks = self.cracks.max(other.cracks.count);
         self.largest_crack = self.largest_crack.max(other.cracks.largest);
-        let (bits, luts, _) = prices(other);
-        self.register_bits = self.register_bits.max(bits);
-        self.luts = self.luts.max(luts);
+        self.register_bits = self.register_bits.max(other.cost.register_bits);
+        self.engine_bits = self.engine_bits.max(other.cost.engine_bits);
+        self.luts = self.luts.max(luts(other));
         self.clock_mhz = self.clock_mhz.min(other.cost.clock_mhz);
         if other.bound_lsb > self.bound_lsb {
             self.bound_lsb = other.bound_lsb;
@@ -85,11 +90,9 @@ impl Candidate {
     }
 }
 
-/// Register bits, LUTs (those of the synthesis where there was one) and the unit of a result.
-fn prices(record: &Record) -> (u64, u64, f64) {
-    let luts = record.synthesis.as_ref().map_or(record.cost.luts, |found| found.luts);
-    let unit = record.point.coordinates.parse::<Format>().map_or(1.0, Format::lsb);
-    (record.cost.register_bits, luts, unit)
+/// LUTs: those of the synthesis where there was one.
+fn luts(record: &Record) -> u64 {
+    record.synthesis.as_ref().map_or(record.cost.luts, |found| found.luts)
 }
 
 /// All designs of a list of results, in the order of the list, with the front of each group marked.
@@ -103,16 +106,16 @@ pub fn candidates(records: &[Record], price: Price) -> Vec<Candidate> {
             continue;
         }
         places.insert(name, all.len());
-        let (register_bits, luts, unit) = prices(record);
         all.push(Candidate {
             bound_lsb: record.bound_lsb,
             error_lsb: record.error_lsb.max,
             worst_case_lsb: record.error_lsb.worst_case,
             cracks: record.cracks.count,
             largest_crack: record.cracks.largest,
-            unit,
-            register_bits,
-            luts,
+            unit: record.point.coordinates.parse::<Format>().map_or(1.0, Format::lsb),
+            register_bits: record.cost.register_bits,
+            engine_bits: record.cost.engine_bits,
+            luts: luts(record),
             clock_mhz: record.cost.clock_mhz,
             meshes: 1,
             on_front: false,
@@ -161,6 +164,7 @@ impl fmt::Display for Price {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Price::RegisterBits => "register bits",
+            Price::EngineBits => "register bits of the engines",
             Price::Luts => "LUTs",
         })
     }

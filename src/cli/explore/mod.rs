@@ -228,6 +228,7 @@ fn object(found: &Found) -> Value {
             "worst_case_lsb": candidate.worst_case_lsb,
             "cracks": candidate.cracks,
             "register_bits": candidate.register_bits,
+            "engine_bits": candidate.engine_bits,
             "luts": candidate.luts,
             "clock_mhz": candidate.clock_mhz,
             "command": candidate.record.command,

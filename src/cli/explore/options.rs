@@ -81,6 +81,8 @@ pub enum PriceName {
     /// Bits of all registers of the core, counted
     #[default]
     RegisterBits,
+    /// Bits of the registers of the difference engines alone, which every further lane needs again
+    EngineBits,
     /// Four-input LUTs, estimated (or counted with --synth)
     Luts,
 }
@@ -89,6 +91,7 @@ impl PriceName {
     pub fn price(self) -> Price {
         match self {
             PriceName::RegisterBits => Price::RegisterBits,
+            PriceName::EngineBits => Price::EngineBits,
             PriceName::Luts => Price::Luts,
         }
     }

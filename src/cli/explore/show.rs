@@ -62,6 +62,7 @@ pub fn text(found: &Found) -> String {
         ("worst case", Align::Right),
         ("cracks", Align::Right),
         ("register bits", Align::Right),
+        ("engines", Align::Right),
         ("LUTs", Align::Right),
         ("MHz", Align::Right),
     ]);
@@ -76,12 +77,13 @@ pub fn text(found: &Found) -> String {
             Cell::from(worst_case(candidate)),
             Cell::new(cracks(candidate), tone),
             Cell::from(thousands(candidate.register_bits)),
+            Cell::from(thousands(candidate.engine_bits)),
             Cell::from(thousands(candidate.luts)),
             Cell::from(format!("{:.0}", candidate.clock_mhz)),
         ]);
     }
     text += &table.to_string();
-    text += "\nErrors in units of the last place (lsb). LUTs and MHz are estimates.\n";
+    text += "\nErrors in units of the last place (lsb). Bits are counted, LUTs and MHz estimated.\n";
     if let Some((candidate, target)) = &found.recommended {
         text += &format!("\nRecommended: {}\n", advice(candidate, found.price, *target));
     }
@@ -146,12 +148,18 @@ pub fn page(found: &Found) -> Result<String> {
         ("cracks", "vertices that came out at more than one place", false),
         ("largest", "the largest distance between such places, in units of the last place", false),
         ("register bits", "counted over the whole core", false),
+        ("engines", "register bits of the difference engines alone", false),
         ("adder bits", "counted over the whole core", false),
         ("LUTs", "estimated, or counted where the core was synthesised", false),
         ("MHz", "estimated from the longest carry chain", false),
     ];
     let columns = columns.map(|(name, note, left)| Column { name: name.into(), note: note.into(), left });
-    let rows = found.candidates.iter().map(|candidate| {
+    let mut sorted: Vec<&Candidate> = found.candidates.iter().collect();
+    sorted.sort_by(|a, b| {
+        let prices = (a.group(), a.price(found.price)).cmp(&(b.group(), b.price(found.price)));
+        prices.then(a.bound_lsb.total_cmp(&b.bound_lsb))
+    });
+    let rows = sorted.into_iter().map(|candidate| {
         let record = &candidate.record;
         let number = |value: f64| PageCell::number(lsb(value), value);
         let count = |value: u64| PageCell::number(thousands(value), value as f64);
@@ -168,6 +176,7 @@ pub fn page(found: &Found) -> Result<String> {
                 count(candidate.cracks),
                 count(candidate.largest_crack),
                 count(candidate.register_bits),
+                count(candidate.engine_bits),
                 count(record.cost.adder_bits),
                 count(candidate.luts),
                 PageCell::number(format!("{:.0}", candidate.clock_mhz), candidate.clock_mhz),
@@ -185,6 +194,7 @@ pub fn page(found: &Found) -> Result<String> {
             (text, candidate.record.command.clone())
         }
     };
+    let other = if found.price == Price::Luts { Price::RegisterBits } else { Price::Luts };
     let page = Page {
         title: format!("Number formats for {}", found.meshes.join(", ")),
         lead: format!(
@@ -195,7 +205,7 @@ pub fn page(found: &Found) -> Result<String> {
         ),
         advice,
         advised_command,
-        plots: vec![plot(found, Price::RegisterBits).svg()?, plot(found, Price::Luts).svg()?],
+        plots: vec![plot(found, found.price).svg()?, plot(found, other).svg()?],
         columns: columns.to_vec(),
         rows: rows.collect(),
         footer: "Errors are distances from the exact surface in units of the last place of the output, per \

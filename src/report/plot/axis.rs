@@ -84,7 +84,7 @@ pub(super) fn label(x: f64) -> String {
     let size = x.abs();
     if x == 0.0 {
         "0".into()
-    } else if !(1e-3..1e5).contains(&size) {
+    } else if !(1e-3..1e7).contains(&size) {
         format!("{x:.0e}")
     } else if size >= 1.0 && (x - x.round()).abs() < 1e-9 {
         let digits = format!("{x:.0}");
@@ -122,7 +122,7 @@ mod tests {
 
     #[test]
     fn labels_are_short() {
-        let labels = [0.0, 0.5, 2.0, 1234.0, 20000.0, 1e6, 1e-7, 0.0625].map(label);
-        assert_eq!(labels, ["0", "0.5", "2", "1234", "20 000", "1e6", "1e-7", "0.0625"]);
+        let labels = [0.0, 0.5, 2.0, 1234.0, 20000.0, 1e7, 1e-7, 0.0625].map(label);
+        assert_eq!(labels, ["0", "0.5", "2", "1234", "20 000", "1e7", "1e-7", "0.0625"]);
     }
 }
