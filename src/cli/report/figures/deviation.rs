@@ -19,7 +19,7 @@ type Measured = (&'static str, String, f64);
 fn measure(control: &ControlMesh, width: u32, level: u32) -> Result<Vec<Measured>> {
     let core = LoopFd::new(width, 0, level)?;
     let mut found = vec![
-        ("float32", "float32".to_string(), floating::<f32>(control, level)?),
+        ("float32", "single precision".to_string(), floating::<f32>(control, level)?),
         ("exact fixed point", "exact".to_string(), fixed(control, level, &core)?),
     ];
     let uniform = cheapest_uniform(level, Dyadic::HALF, Rounding::HalfUp);
