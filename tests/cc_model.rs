@@ -3,6 +3,7 @@
 mod cc_meshes;
 
 use cc_meshes::{of_shape, shaken, spindle, wheel};
+use subdiv_rtl::fixed::Rounding;
 use subdiv_rtl::model::cc_strip::schedule::{Schedule, timeline};
 use subdiv_rtl::model::cc_strip::{CcStrip, Parameters};
 use subdiv_rtl::surface::catmull_clark::numbers::Numbers;
@@ -59,6 +60,24 @@ fn guard_bits_round_each_new_vertex_once_from_its_sum() {
     let rows =
         |c: i64| levels[1][(c + 1) as usize].as_ref().unwrap().rows.iter().map(|p| p[0]).collect::<Vec<_>>();
     assert_eq!((rows(0), rows(2)), (vec![9, 6, 2], vec![2, 1, 0]));
+}
+
+#[test]
+fn new_vertices_are_rounded_in_the_mode_of_the_core() {
+    // the impulse of -8 in halves: F -4, E -6, V' -9;  towards the other end -1, -1.5 and -0.25
+    for (rounding, expected) in [
+        (Rounding::HalfUp, [[-9, -6, -1], [-1, -1, 0]]),
+        (Rounding::HalfEven, [[-9, -6, -2], [-2, -1, 0]]),
+        (Rounding::Floor, [[-9, -6, -2], [-2, -1, -1]]),
+        (Rounding::Truncate, [[-9, -6, -1], [-1, -1, 0]]),
+    ] {
+        let core = CcStrip::new(Parameters { numbers: Numbers::Guard(1), rounding, ..Parameters::exact(12) });
+        let strip = regular_quad(|c, r| -8 * i64::from((c, r) == (0, 0)));
+        let levels = core.unwrap().levels(1, &strip).unwrap();
+        let rows = |c: usize| levels[1][c + 1].as_ref().unwrap().rows.iter().map(|p| p[0] as i64);
+        let found = [0, 2].map(|c| rows(c).collect::<Vec<_>>());
+        assert_eq!(found, expected.map(Vec::from), "{rounding}");
+    }
 }
 
 #[test]

@@ -5,6 +5,7 @@ mod cc_meshes;
 
 use cc_meshes::{closed, of_mesh, open, ragged, shaken, wheel};
 use std::path::Path;
+use subdiv_rtl::fixed::Rounding;
 use subdiv_rtl::mesh;
 use subdiv_rtl::model::cc_strip::{CcStrip, Parameters};
 use subdiv_rtl::surface::catmull_clark::assembly::QuadAssembly;
@@ -57,13 +58,14 @@ impl Rendered<'_> {
 
     /// Every output lies within the bound of the true position; returns the largest error.
     fn check(&self, oracle: &QuadOracle, largest_irregular_valence: Option<usize>) -> f64 {
-        let Parameters { width, numbers, table_bits, extra_fraction, limit, .. } = self.parameters;
+        let Parameters { width, numbers, rounding, table_bits, extra_fraction, limit, .. } = self.parameters;
         let levels = self.assembly.grid().level();
         let bound = error_bound_lsb(&Accuracy {
             width,
             extra_fraction,
             levels,
             numbers,
+            rounding,
             table_bits,
             largest_irregular_valence,
             limit,
@@ -99,9 +101,13 @@ fn the_zoo_is_rendered_within_the_bound_in_every_format() {
         for levels in 1..=3 {
             let oracle = case.oracle(levels);
             for numbers in formats {
-                for limit in [false, true] {
+                for (limit, rounding) in [false, true].into_iter().zip([Rounding::HalfUp; 2]).chain([
+                    (false, Rounding::HalfEven),
+                    (false, Rounding::Floor),
+                    (true, Rounding::Truncate),
+                ]) {
                     let rendered = case.render(Method::Natural, levels, |p| {
-                        (p.numbers, p.limit) = (numbers, limit);
+                        (p.numbers, p.limit, p.rounding) = (numbers, limit, rounding);
                     });
                     rendered.check(&oracle, Some(case.rings.largest_valence()));
                 }

@@ -223,3 +223,52 @@ fn a_missing_tool_is_named_with_the_line_that_installs_it() {
         .expect("the program starts");
     assert!(alone.status.success());
 }
+
+#[test]
+fn reduced_formats_are_simulated_with_their_cracks_counted_and_generated_with_their_bound() {
+    let there = folder();
+    let numbers = "--fractions 5,7,8,8,9 --max-level 3 --rounding half-even --saturate";
+    let simulated = run(there.path(), &format!("simulate --shape blob --level 3 {numbers} --format json"));
+    assert!(simulated.status.success(), "{}", String::from_utf8_lossy(&simulated.stderr));
+    let result: Value = serde_json::from_slice(&simulated.stdout).expect("JSON");
+    assert_eq!(result["differences"], "5,7,8,8,9 half-even saturate");
+    assert_eq!(result["simulators"][0]["mismatches"], 0);
+    // Patches are rounded each by itself.
+    assert!(result["cracks"].as_u64().is_some_and(|n| n > 0) && result["largest_crack"].as_i64() == Some(1));
+    let error = |key: &str| result["error_lsb"][key].as_f64().expect("a number");
+    assert!(error("max") <= error("bound") && error("bound") > 0.5);
+
+    let generated = run(there.path(), &format!("generate loop-fd {numbers} -o core"));
+    assert!(generated.status.success(), "{}", String::from_utf8_lossy(&generated.stderr));
+    let manifest: Value =
+        serde_json::from_slice(&fs::read(there.path().join("core/manifest.json")).expect("a manifest"))
+            .expect("JSON");
+    let differences = &manifest["parameters"]["differences"];
+    assert_eq!(differences["fractions"], serde_json::json!([5, 7, 8, 8, 9]));
+    let bound = differences["bound_lsb"].as_f64().expect("a bound");
+    assert!(bound > 0.5 && bound < 4.0, "{bound}");
+    let proof = &manifest["proofs"]["linear_forms"];
+    assert_eq!(proof["result"], "proved");
+    assert!(proof["error_lsb"]["above"].as_f64().is_some_and(|e| e > 0.5 && e < 3.0 * bound));
+    assert!(
+        manifest["command"]
+            .as_str()
+            .is_some_and(|c| c.ends_with("--fractions 5,7,8,8,9 --rounding half-even --saturate"))
+    );
+}
+
+#[test]
+fn a_core_of_fine_levels_takes_regular_meshes_only() {
+    let there = folder();
+    let numbers = "--level 3 --min-level 3 --max-level 3 --fractions 5,8,8,8,9";
+    assert!(run(there.path(), &format!("simulate --shape torus {numbers}")).status.success());
+    let irregular = run(there.path(), &format!("simulate --shape blob {numbers}"));
+    assert_eq!(irregular.status.code(), Some(3));
+    assert!(String::from_utf8_lossy(&irregular.stderr).contains("irregular vertices"));
+    assert!(run(there.path(), "generate loop-fd --min-level 2 --max-level 2 --fraction 6").status.success());
+    assert_eq!(run(there.path(), "generate loop-fd --rounding floor").status.code(), Some(2));
+    assert_eq!(
+        run(there.path(), "generate loop-fd --fractions 4,5,5,5,5 --registers 19").status.code(),
+        Some(2)
+    );
+}

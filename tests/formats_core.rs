@@ -1,12 +1,15 @@
 //! `loop-fd` with reduced numbers: hardware and reference agree bit for bit in every format, and in every
 //! simulator that is here, on hard packets under stalls.
 
+use subdiv_rtl::Kind;
+use subdiv_rtl::cores::loop_fd::proof::{prove, prove_flat};
 use subdiv_rtl::cores::loop_fd::{Parameters, RegisterForm, build};
-use subdiv_rtl::cosim::loop_bench::device;
+use subdiv_rtl::cosim::loop_bench::{device, extra_fraction};
 use subdiv_rtl::cosim::loop_trial::LoopTrial;
 use subdiv_rtl::cosim::{Builtin, External, Model, Simulator, Stall, Stimulus, Tool};
 use subdiv_rtl::fixed::{Precision, Reduced, Rounding};
-use subdiv_rtl::hdl::verilog;
+use subdiv_rtl::hdl::{Flat, verilog};
+use subdiv_rtl::surface::precision::total_lsb;
 
 /// Coordinates, output fraction, levels, registers, fractions, saturation.
 type Design = (&'static str, u32, (u32, u32), RegisterForm, &'static str, bool);
@@ -83,6 +86,39 @@ fn verilator_and_icarus_agree_too() {
             check(parameters(design, rounding), &|_| Box::new(External::new(tool, settings.clone())));
         }
     }
+}
+
+#[test]
+fn every_core_is_proved_to_be_within_the_bound_of_its_format() {
+    for design in DESIGNS {
+        for rounding in Rounding::TOTAL {
+            let parameters = parameters(design, rounding);
+            let reduced = parameters.precision.reduced().unwrap();
+            let proof = prove(&build(parameters).unwrap(), parameters).unwrap();
+            let proved = proof.error.unwrap().largest();
+            let bound = total_lsb(reduced, parameters.max_level, extra_fraction(parameters));
+            if rounding == Rounding::HalfEven {
+                // The proof does not see that the start-up corrects only ties.
+                assert!(proved <= 3.0 * bound, "{design:?}: {proved}, {bound}");
+            } else {
+                // At coarse levels the fractions of a start-up are few, and the bound takes them for all.
+                let sharp = parameters.max_level < 2 || proved >= 0.9 * bound;
+                assert!(proved <= bound && sharp, "{design:?}, {rounding}: {proved}, {bound}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_register_that_is_too_narrow_is_refuted() {
+    // The level of the core decides the widths; a core built for fine levels only fails at a coarse one.
+    let coarse = parameters(DESIGNS[0], Rounding::HalfUp);
+    let fine = coarse.with_min_level(3).unwrap();
+    assert!(prove(&build(coarse).unwrap(), coarse).is_ok());
+    assert!(prove(&build(fine).unwrap(), fine).is_ok());
+    let narrow = Parameters { min_level: 0, ..fine };
+    let flat = Flat::new(&build(fine).unwrap()).unwrap();
+    assert_eq!(prove_flat(flat, narrow).unwrap_err().kind, Kind::Mismatch);
 }
 
 #[test]

@@ -4,8 +4,9 @@
 use std::path::Path;
 use std::process::Command;
 
-use subdiv_rtl::cores::cc_strip::{self, Precision};
+use subdiv_rtl::cores::cc_strip;
 use subdiv_rtl::cores::loop_fd::{Parameters, RegisterForm};
+use subdiv_rtl::fixed::{Precision, Reduced, Rounding};
 use subdiv_rtl::package;
 use subdiv_rtl::package::Package;
 
@@ -59,12 +60,38 @@ fn loop_fd_is_silent() {
 }
 
 #[test]
+fn reduced_loop_fd_is_silent() {
+    let cases = [
+        ("Q12.12", 12, (0, 8), 20, "29", Rounding::HalfUp, false),
+        ("Q12.12", 12, (0, 8), 20, "11,18,23,29,30", Rounding::HalfUp, false),
+        ("Q4.8", 8, (0, 3), 19, "8", Rounding::HalfEven, true),
+        ("Q4.8", 6, (0, 2), 23, "4,5,5,6,8", Rounding::Truncate, false),
+        ("Q2.2", 4, (0, 1), 22, "2", Rounding::Floor, true),
+        ("Q2.6", 6, (0, 0), 20, "4", Rounding::Truncate, false),
+        ("Q4.8", 8, (3, 3), 20, "5,8,8,8,9", Rounding::HalfEven, true),
+        ("Q4.8", 13, (1, 3), 20, "5,8,9,10,11", Rounding::Floor, false),
+    ];
+    for (coordinates, output, (min_level, max_level), registers, fractions, rounding, saturate) in cases {
+        let form = RegisterForm::from_count(registers).expect("a register form");
+        let format = coordinates.parse().expect("a format");
+        let fractions = fractions.parse().expect("fractions");
+        let precision = Precision::Reduced(Reduced { fractions, rounding, saturate });
+        let parameters = Parameters::new(format, output, max_level, form)
+            .and_then(|p| p.with_min_level(min_level))
+            .and_then(|p| p.with_precision(precision))
+            .expect("a core that exists");
+        let what = format!("{parameters:?}");
+        check(&package::loop_fd::package(parameters, max_level <= 3).expect(&what), &what);
+    }
+}
+
+#[test]
 fn cc_strip_is_silent() {
     let cases = [
-        ("Q12.12", 12, 1, 4, Precision::Exact, 37),
-        ("Q4.8", 8, 2, 6, Precision::Exact, 25),
-        ("Q4.8", 6, 3, 5, Precision::Guard(0), 20),
-        ("Q2.14", 14, 3, 10, Precision::Guard(4), 29),
+        ("Q12.12", 12, 1, 4, cc_strip::Precision::Exact, 37),
+        ("Q4.8", 8, 2, 6, cc_strip::Precision::Exact, 25),
+        ("Q4.8", 6, 3, 5, cc_strip::Precision::Guard(0), 20),
+        ("Q2.14", 14, 3, 10, cc_strip::Precision::Guard(4), 29),
     ];
     for (coordinates, output_fraction, levels, max_valence, precision, table_bits) in cases {
         let coordinates = coordinates.parse().expect("a format");

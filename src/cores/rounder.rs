@@ -47,63 +47,81 @@ pub fn build(modulus: u32, shift: u32, result: Range, fraction: u32) -> Result<R
     m.finish()
 }
 
-/// A rounder of exact differences to a word of a reduced format: N / (3 * 2^`exact`) * 2^`fraction`.
+/// A rounder of exact differences to a word of a reduced format.
 ///
 /// Inputs: `numerator`, and `live`, which says when a vertex depends on it; then it fits the word, which is
 /// the claim to be proved. Output: `rounded`.
 ///
 /// ```text
-///   q = floor((N + h) / (3 * 2^s)),  s = exact - fraction,  h = 3 * 2^(s-1) to the nearest, else 0
-///   half even   q - 1 where N + h is a multiple of 3 * 2^s (a tie) and q is odd
-///   truncate    q + 1 where N is negative and no multiple
+///   N / 2^exact * 2^fraction        a shift, s = exact - fraction, in the mode of the language
+///   N / (3 * 2^exact) * 2^fraction  q = floor((N + h) / (3 * 2^s)),  h = 3 * 2^(s-1) to the nearest, else 0
+///                                   half even: q - 1 where N + h is a multiple of 3 * 2^s (a tie) and q is odd
+///                                   truncate:  q + 1 where N is negative and no multiple
 /// ```
-pub fn difference(
-    name: &str,
-    numerator: Word,
-    exact: u32,
-    fraction: u32,
-    word: Word,
-    mode: Rounding,
-) -> Result<Rc<Module>> {
-    let m = Builder::new(name);
-    m.purpose(format!("rounded = numerator / (3 * 2^{exact}) with {fraction} fraction bits, {mode}"));
-    let numerator = m.input("numerator", numerator);
-    let live = m.input("live", Word::bit());
-    // At least one bit is dropped before the division by 3: where there is none, zeros are appended.
-    let appended = (fraction + 1).saturating_sub(exact);
-    let shift = exact + appended - fraction;
-    let (unit, result) = (3i128 << shift, word.range);
-    let least = (result.min * unit) >> appended;
-    let claimed = Word::from(Range::new(least, (result.max * unit) >> appended));
-    let exact = m.claim("exact_numerator", &numerator, claimed, Some(&live));
-    let exact = m.rescale(&m.signal(&exact << appended), shift as i32 + word.fraction);
+pub struct Difference {
+    /// Of the module.
+    pub name: String,
+    pub numerator: Word,
+    /// Whether there is the factor 3.
+    pub thirds: bool,
+    pub exact: u32,
+    pub fraction: u32,
+    /// What it is rounded to.
+    pub word: Word,
+    pub mode: Rounding,
+}
 
-    let nearest = matches!(mode, Rounding::HalfUp | Rounding::HalfEven);
-    let half = if nearest { unit / 2 } else { 0 };
-    let bias = 3 * -result.min;
-    let biased = m.pipe("biased", &exact + (half + (bias << shift)));
-    let dividend = m.wire("dividend", m.round(&biased, shift, Rounding::Floor));
-    let quotient = third(&m, &dividend);
-    let rounded = m.pipe("quotient", &quotient - (-result.min));
-    let unit_of = |bit: &Signal| m.rescale(bit, word.fraction);
-    let rounded = match mode {
-        Rounding::HalfEven | Rounding::Truncate => {
-            let multiple = m.compare(Relation::Equal, &dividend, m.signal(3 * &quotient));
-            let whole = m.is(&m.slice(&biased, 0, shift), 0);
-            let no_rest = m.pipe("no_rest", &multiple & &m.at_time(&whole, multiple.time().unwrap_or(0)));
-            if mode == Rounding::HalfEven {
-                let odd = m.slice(&rounded, 0, 1);
-                m.pipe("rounded", &rounded - &unit_of(&(&no_rest & &odd)))
-            } else {
-                let negative = m.slice(&exact, exact.width() - 1, 1);
-                let negative = m.at_time(&negative, no_rest.time().unwrap_or(0));
-                m.pipe("rounded", &rounded + &unit_of(&(&negative & &!&no_rest)))
-            }
+impl Difference {
+    pub fn build(&self) -> Result<Rc<Module>> {
+        let Difference { exact, fraction, word, mode, .. } = *self;
+        let m = Builder::new(&self.name);
+        let factor = if self.thirds { "3 * " } else { "" };
+        m.purpose(format!("rounded = numerator / ({factor}2^{exact}) with {fraction} fraction bits, {mode}"));
+        let numerator = m.input("numerator", self.numerator);
+        let live = m.input("live", Word::bit());
+        // Where fewer bits are dropped than needed, zeros are appended; a division by 3 follows one at least.
+        let least = u32::from(self.thirds);
+        let appended = (fraction + least).saturating_sub(exact);
+        let shift = exact + appended - fraction;
+        let unit = if self.thirds { 3i128 << shift } else { 1 << shift };
+        let bounds = word.range * unit;
+        let claimed = Range::new(bounds.min >> appended, bounds.max >> appended);
+        let exact = m.claim("exact_numerator", &numerator, claimed.into(), Some(&live));
+        let exact = m.rescale(&m.signal(&exact << appended), shift as i32 + word.fraction);
+        let rounded = if self.thirds {
+            self.divide(&m, &exact, shift)
+        } else {
+            m.pipe("rounded", m.round(&exact, shift, mode))
+        };
+        m.output("rounded", m.modulo(&rounded, word.width()));
+        m.finish()
+    }
+
+    /// `n / (3 * 2^shift)`.
+    fn divide(&self, m: &Builder, n: &Signal, shift: u32) -> Signal {
+        let Difference { word, mode, .. } = *self;
+        let nearest = matches!(mode, Rounding::HalfUp | Rounding::HalfEven);
+        let half = if nearest { 3i128 << shift >> 1 } else { 0 };
+        let bias = 3 * -word.range.min;
+        let biased = m.pipe("biased", n + (half + (bias << shift)));
+        let dividend = m.wire("dividend", m.round(&biased, shift, Rounding::Floor));
+        let quotient = third(m, &dividend);
+        let rounded = m.pipe("quotient", &quotient - (-word.range.min));
+        if !matches!(mode, Rounding::HalfEven | Rounding::Truncate) {
+            return rounded;
         }
-        _ => rounded,
-    };
-    m.output("rounded", m.modulo(&rounded, word.width()));
-    m.finish()
+        let unit_of = |bit: &Signal| m.rescale(bit, word.fraction);
+        let multiple = m.compare(Relation::Equal, &dividend, m.signal(3 * &quotient));
+        let whole = m.is(&m.slice(&biased, 0, shift), 0);
+        let no_rest = m.pipe("no_rest", &multiple & &m.at_time(&whole, multiple.time().unwrap_or(0)));
+        if mode == Rounding::HalfEven {
+            let odd = m.slice(&rounded, 0, 1);
+            return m.pipe("rounded", &rounded - &unit_of(&(&no_rest & &odd)));
+        }
+        let negative = m.slice(n, n.width() - 1, 1);
+        let negative = m.at_time(&negative, no_rest.time().unwrap_or(0));
+        m.pipe("rounded", &rounded + &unit_of(&(&negative & &!&no_rest)))
+    }
 }
 
 /// floor(x / 3) for 0 <= x, pipelined, one adder per clock.

@@ -4,11 +4,15 @@
 //!   packets of surface::packets --> loop_fd (one core)  --> beats, bit for bit those of the hardware
 //!   strip records of surface     --> cc_strip (one core) --> columns, bit for bit those of the hardware
 //!   control mesh --> render (host and core in one go)   --> rounded positions, patch by patch
+//!   mesh, level  --> sweep (prepared once)              --> error and cracks of one format after the other
+//!                --> float (the published algorithm)    --> deviation in single and half precision
 //! ```
 //!
 //! Nothing here uses `hdl` or `cores`, and those use nothing from here, so that a mistake in one shows.
 
 pub mod cc_strip;
+pub mod float;
 pub mod loop_fd;
 pub mod loop_fd_clocks;
 pub mod render;
+pub mod sweep;

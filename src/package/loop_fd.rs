@@ -10,8 +10,8 @@ use crate::cores::loop_fd::{Parameters, RegisterForm, build, words};
 use crate::cosim::Beat;
 use crate::cosim::loop_bench::{self, LoopBench, extra_fraction};
 use crate::cosim::loop_trial::{LoopTrial, Packet};
-use crate::error::Result;
-use crate::fixed::Reduced;
+use crate::error::{Error, Kind, Result};
+use crate::fixed::{Precision, Reduced, Rounding};
 use crate::hdl::{Module, verilog};
 use crate::model::loop_fd_clocks;
 use crate::surface::control_mesh::ControlMesh;
@@ -40,7 +40,7 @@ pub fn command(parameters: Parameters) -> String {
 /// A core that cannot be built; a refuted proof, which is a [`crate::Kind::Mismatch`].
 pub fn package(parameters: Parameters, prove_it: bool) -> Result<Package> {
     let core = build(parameters)?;
-    let proof = if prove_it { Some(prove(&core, parameters)?) } else { None };
+    let proof = if prove_it { Some(proved(&core, parameters)?) } else { None };
     let command = command(parameters);
     let sources = verilog::print(&core, &command)?;
     let dut = loop_bench::device(&core, &sources);
@@ -54,7 +54,7 @@ pub fn package(parameters: Parameters, prove_it: bool) -> Result<Package> {
         streams: streams(parameters),
         latency: latency(&core),
         initiation_interval: initiation_interval(&core, parameters),
-        proofs: proofs(proof.as_ref()),
+        proofs: proofs(proof.as_ref(), parameters),
         input: &input,
         expected: &expected,
     };
@@ -160,18 +160,43 @@ fn initiation_interval(core: &Rc<Module>, parameters: Parameters) -> Value {
     json!({ "clocks_per_beat": 1, "patches": levels })
 }
 
-fn proofs(proof: Option<&Proof>) -> Value {
-    match proof {
-        Some(proof) => json!({
-            "linear_forms": {
-                "statement": "for all inputs, every output coordinate of patches of every level is its exact mask, correctly rounded, and every claimed range holds",
-                "result": "proved",
-                "patches": proof.patches,
-                "coordinates": proof.coordinates,
-                "clocks": proof.clocks,
-                "claims": proof.claims,
-            },
-        }),
-        None => json!({ "linear_forms": { "result": "not run" } }),
+/// The proof; of reduced numbers, it must not find larger errors than the bound of the format.
+fn proved(core: &Rc<Module>, parameters: Parameters) -> Result<Proof> {
+    let proof = prove(core, parameters)?;
+    let (Some(reduced), Some(error)) = (parameters.precision.reduced(), proof.error) else {
+        return Ok(proof);
+    };
+    let bound = total_lsb(reduced, parameters.max_level, extra_fraction(parameters));
+    // Half to even the proof takes the correction of a tie in the start-up for an error of its own.
+    let allowed = if reduced.rounding == Rounding::HalfEven { 3.0 * bound } else { bound };
+    if error.largest() > allowed {
+        let what = format!("errors of up to {} units, above the bound of {bound}", error.largest());
+        return Err(Error::new(Kind::Mismatch, what).help("the core is wrong; nothing was written"));
     }
+    Ok(proof)
+}
+
+fn proofs(proof: Option<&Proof>, parameters: Parameters) -> Value {
+    let Some(proof) = proof else { return json!({ "linear_forms": { "result": "not run" } }) };
+    let statement = match parameters.precision {
+        Precision::Exact => {
+            "for all inputs, every output coordinate of patches of every level is its exact mask, correctly rounded, and every claimed range holds"
+        }
+        Precision::Reduced(_) => {
+            "for all inputs, every output coordinate of patches of every level is its exact mask up to an error within these bounds, and no register that a vertex depends on overflows; saturation, if any, comes after what is proved and moves a vertex towards the exact one"
+        }
+    };
+    let mut object = json!({
+        "statement": statement,
+        "result": "proved",
+        "patches": proof.patches,
+        "coordinates": proof.coordinates,
+        "clocks": proof.clocks,
+        "claims": proof.claims,
+    });
+    if let Some(error) = proof.error {
+        let number = |(numerator, denominator): (i128, i128)| numerator as f64 / denominator as f64;
+        object["error_lsb"] = json!({ "below": number(error.below), "above": number(error.above) });
+    }
+    json!({ "linear_forms": object })
 }

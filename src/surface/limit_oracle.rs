@@ -72,6 +72,11 @@ impl LimitOracle {
         self.limits12[vertex].map(|x| x as f64 / (12.0 * f64::from(FRACTION).exp2()))
     }
 
+    /// How far these positions may be off, in input units; 0 where they are exact.
+    pub fn uncertainty(&self) -> f64 {
+        self.uncertainty
+    }
+
     /// 12 * 2^[`FRACTION`] times the limit position of a vertex.
     pub fn limit12(&self, vertex: usize) -> [i128; 3] {
         self.limits12[vertex]

@@ -90,6 +90,7 @@ pub fn run(settings: &Settings) -> Result<()> {
         extra_fraction: reference.extra_fraction,
         levels: settings.level,
         numbers: reference.numbers,
+        rounding: reference.rounding,
         table_bits: parameters.table_bits,
         largest_irregular_valence: quads.largest_irregular_valence(),
         limit: false,

@@ -94,7 +94,7 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
 
     let outer = outer_differences(&m, parameters, &waiting, &load, &strip);
     let fourth = match outer.get(&(0, 4)) {
-        Some(d04) => Higher::once(d04),
+        Some(d04) => Higher { of: d04.clone(), doubled: parameters.precision != Precision::Exact },
         None => Higher::twice(&outer[&(1, 3)]),
     };
     let columns = Columns { m: &m, parameters, strip: &strip, step: &step };
@@ -143,12 +143,11 @@ fn outer_differences(
 ) -> Table {
     let mut start: BTreeMap<(u32, u32), Expr> = waiting.iter().map(|(&kl, n)| (kl, n.into())).collect();
     if matches!(parameters.registers, RegisterForm::Published23 | RegisterForm::WithoutZero22) {
+        // In a reduced format their lowest bit, which is always zero, is left out.
         let twice = |kl: (u32, u32)| -> Expr {
-            let of = &waiting[&kl];
             match parameters.precision {
-                Precision::Exact => (2 * of).into(),
-                // Read as a number: the double has a bit more.
-                Precision::Reduced(_) => (2 * &m.wrap(of, Word { modular: false, ..of.word() })).into(),
+                Precision::Exact => (2 * &waiting[&kl]).into(),
+                Precision::Reduced(_) => (&waiting[&kl]).into(),
             }
         };
         start.insert((4, 0), twice((3, 1)));
@@ -164,6 +163,9 @@ fn outer_differences(
     for (&(k, l), register) in &outer {
         m.on(load, register, start[&(k, l)].clone());
         let higher = match outer.get(&(k + 1, l)) {
+            Some(d40) if (k, l) == (3, 0) => {
+                Some(Higher { of: d40.clone(), doubled: parameters.precision != Precision::Exact })
+            }
             Some(higher) => Some(Higher::once(higher)),
             None if (k, l) == (3, 0) => Some(Higher::twice(&outer[&(3, 1)])),
             None => None, // constant along u

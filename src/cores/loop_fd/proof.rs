@@ -10,12 +10,19 @@
 //! with the masks of the quartic box spline. Each patch has variables of its own, so a value left over
 //! from another patch cannot pass for the right one; whatever no reset has set is unknown, and an unknown
 //! at an output fails.
+//!
+//! Reduced numbers round on the way. What reaches the output then is the mask *and an error whose bounds are
+//! known*: every rounding that the hardware does adds its own, and no register that a vertex depends on can
+//! overflow, whatever the control points are. The bounds of all vertices together are the result. Patches at
+//! boundaries are run too, with ghosts that are combinations of the other points, at the coarse levels,
+//! where differences are largest. (Saturation is left out: a clamp only moves a vertex towards the exact one,
+//! which lies in the format.)
 
 use std::rc::Rc;
 
 use super::{AXES, Parameters};
 use crate::error::{Error, Kind, Result};
-use crate::fixed::{Form, Range};
+use crate::fixed::{Form, Near, Precision, Range, Reduced};
 use crate::hdl::fault::Fault;
 use crate::hdl::linear::Value;
 use crate::hdl::{Flat, LinearForms, Module, NodeId, Simulator};
@@ -31,6 +38,32 @@ pub struct Proof {
     pub clocks: u64,
     /// Every claim with the largest range that occurs, and the range claimed.
     pub claims: Vec<Claim>,
+    /// Of reduced numbers: how far a vertex can be from the exact one.
+    pub error: Option<ErrorBounds>,
+}
+
+/// Output less exact vertex, in units of the output's last place: at least `below`, at most `above`, each a
+/// numerator and a denominator.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+pub struct ErrorBounds {
+    pub below: (i128, i128),
+    pub above: (i128, i128),
+}
+
+impl ErrorBounds {
+    /// The larger of both, as a distance, rounded to `f64`.
+    pub fn largest(&self) -> f64 {
+        let number = |(numerator, denominator): (i128, i128)| numerator as f64 / denominator as f64;
+        (-number(self.below)).max(number(self.above))
+    }
+
+    fn union(self, other: ErrorBounds) -> ErrorBounds {
+        let less = |(a, b): (i128, i128), (c, d): (i128, i128)| a * d < c * b;
+        ErrorBounds {
+            below: if less(other.below, self.below) { other.below } else { self.below },
+            above: if less(self.above, other.above) { other.above } else { self.above },
+        }
+    }
 }
 
 #[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
@@ -43,27 +76,78 @@ pub struct Claim {
 /// One packet of the run.
 struct Patch {
     level: u32,
-    /// The control points that are variables; the others are 0.
+    /// The control points that are variables; the others are ghosts, or 0.
     variables: Vec<usize>,
+    /// Points V + B - I, and of which points.
+    ghosts: Vec<(usize, [usize; 3])>,
     range: Range,
+}
+
+impl Patch {
+    /// A control point as a form over the variables of a group.
+    fn point(&self, group: u32, point: usize) -> Value<12> {
+        let mut form = Form::variable(group, point);
+        if let Some((_, [v, b, i])) = self.ghosts.iter().find(|(ghost, _)| *ghost == point) {
+            form.coefficients = [0; 12];
+            (form.coefficients[*v], form.coefficients[*b], form.coefficients[*i]) = (1, 1, -1);
+        } else if !self.variables.contains(&point) {
+            return Value::Integer(0);
+        }
+        Value::Form(form)
+    }
 }
 
 fn patches(parameters: Parameters) -> Vec<Patch> {
     let (w, r) = (parameters.coordinates.width(), parameters.max_level);
     let coordinate = Range::signed(w);
-    let regular = |level| Patch {
+    let with_ghosts = |level, ghosts: &[(usize, [usize; 3])]| Patch {
         level,
-        variables: (0..12).collect(),
+        variables: (0..12).filter(|v| !ghosts.iter().any(|(g, _)| g == v)).collect(),
+        ghosts: ghosts.to_vec(),
         // A control point of a patch of this level carries 4 (R - level) more fraction bits.
         range: coordinate * (1i128 << (4 * (r - level))),
     };
     // Three limit positions over 12 * 16^R, sent as a patch of level 0.
-    let positions = Patch { level: 0, variables: vec![0, 2, 10], range: coordinate * (12i128 << (4 * r)) };
-    (0..=r).rev().map(regular).chain([positions]).collect()
+    let range = coordinate * (12i128 << (4 * r));
+    let positions = Patch { level: 0, variables: vec![0, 2, 10], ghosts: vec![], range };
+    let regular = (parameters.min_level..=r).rev().map(|level| with_ghosts(level, &[]));
+    let positions = (parameters.min_level == 0).then_some(positions);
+    // Exact vertices are in the hull whatever their ghosts are; differences are not.
+    let ghosted = if parameters.precision == Precision::Exact { 0 } else { 3 };
+    let ghosts = (parameters.min_level..=r).take(ghosted).flat_map(|level| {
+        BOUNDARIES.map(|way| {
+            let ghosts: Vec<_> = way.iter().flat_map(|&at| GHOSTS[at]).copied().collect();
+            with_ghosts(level, &ghosts)
+        })
+    });
+    regular.chain(ghosts).chain(positions).collect()
 }
+
+/// Points V + B - I, across a boundary edge (V, B) with the point I inside: of a patch whose edge (0,1), (1,2)
+/// or (2,0) is at the boundary, and of one that touches it with corner 0, 1 or 2 alone.
+const GHOSTS: [&[(usize, [usize; 3])]; 6] = [
+    &[(0, [4, 3, 7]), (1, [4, 5, 8]), (2, [5, 6, 9])],
+    &[(6, [5, 2, 1]), (9, [5, 8, 4]), (11, [8, 10, 7])],
+    &[(10, [8, 11, 9]), (7, [8, 4, 5]), (3, [4, 0, 1])],
+    &[(3, [4, 7, 8]), (0, [4, 1, 5])],
+    &[(2, [5, 1, 4]), (6, [5, 9, 8])],
+    &[(11, [8, 9, 5]), (10, [8, 7, 4])],
+];
+
+/// All ways a regular patch can lie at boundaries, as places in [`GHOSTS`]: edges, corners, an edge and the
+/// corner across.
+const BOUNDARIES: [&[usize]; 13] =
+    [&[0], &[1], &[2], &[3], &[4], &[5], &[3, 4], &[4, 5], &[3, 5], &[3, 4, 5], &[0, 5], &[1, 3], &[2, 4]];
 
 /// Runs the proof; an error is a refutation, with the first signal or vertex that is wrong.
 pub fn prove(core: &Rc<Module>, parameters: Parameters) -> Result<Proof> {
+    if let Some(reduced) = parameters.precision.reduced().filter(|reduced| reduced.saturate) {
+        let plain = Parameters {
+            precision: Precision::Reduced(Reduced { saturate: false, ..reduced }),
+            ..parameters
+        };
+        return prove(&super::build(plain)?, plain);
+    }
     prove_flat(Flat::new(core)?, parameters)
 }
 
@@ -93,7 +177,7 @@ fn run(flat: Flat, parameters: Parameters, dropped_carry: Option<(NodeId, u32)>)
         patches.iter().enumerate().flat_map(|(index, patch)| (0..12).map(move |point| (index, patch, point)));
     let mut expected =
         patches.iter().enumerate().flat_map(|(index, patch)| beats(index, patch, parameters)).peekable();
-    let (mut offered, mut coordinates, mut quiet) = (sent.next(), 0, 0);
+    let (mut offered, mut coordinates, mut quiet, mut error) = (sent.next(), 0, 0, None);
 
     run.edge(true)?;
     while expected.peek().is_some() {
@@ -101,7 +185,7 @@ fn run(flat: Flat, parameters: Parameters, dropped_carry: Option<(NodeId, u32)>)
         if run.flag("m_axis_tvalid")? {
             // The loop runs while there is a beat to come.
             let Some(beat) = expected.next() else { break };
-            coordinates += run.compare(&beat)?;
+            coordinates += run.compare(&beat, parameters, &mut error)?;
             quiet = 0;
         }
         quiet += 1;
@@ -127,6 +211,7 @@ fn run(flat: Flat, parameters: Parameters, dropped_carry: Option<(NodeId, u32)>)
         coordinates,
         clocks: run.simulator.clock_count(),
         claims: run.simulator.domain.proved.iter().map(claim).collect(),
+        error,
     })
 }
 
@@ -150,6 +235,11 @@ fn beats(index: usize, patch: &Patch, parameters: Parameters) -> impl Iterator<I
         let mask = basis::mask(patch.level, i, j);
         let mut coefficients = [0; 12];
         patch.variables.iter().for_each(|&v| coefficients[v] = mask[v]);
+        for &(ghost, [v, b, i]) in &patch.ghosts {
+            coefficients[v] += mask[ghost];
+            coefficients[b] += mask[ghost];
+            coefficients[i] -= mask[ghost];
+        }
         let unit = 3i128 << parameters.shift();
         [0, 1, 2].map(|axis| {
             Form {
@@ -210,10 +300,7 @@ impl Run {
         let simulator = &mut self.simulator;
         for (axis, &input) in self.inputs.iter().enumerate() {
             let value = match point {
-                Some((index, patch, point)) if patch.variables.contains(&point) => {
-                    Value::Form(Form::variable((3 * index + axis) as u32, point))
-                }
-                Some(_) => Value::Integer(0),
+                Some((index, patch, point)) => patch.point((3 * index + axis) as u32, point),
                 None => Value::Unknown,
             };
             simulator.set(input, value);
@@ -243,8 +330,10 @@ impl Run {
         Ok(self.output(name)? != 0)
     }
 
-    /// Checks what stands at the output; returns how many coordinates were compared.
-    fn compare(&self, beat: &Beat) -> Result<u64> {
+    /// Checks what stands at the output, and widens the bounds of the error; returns how many coordinates were
+    /// compared.
+    fn compare(&self, beat: &Beat, parameters: Parameters, error: &mut Option<ErrorBounds>) -> Result<u64> {
+        let reduced = parameters.precision != Precision::Exact;
         let wrong = |what: &str| Err(refuted(format!("{}: {what}", beat.what)));
         if self.flag("m_axis_tlast")? == beat.right.is_some() {
             return wrong("m_axis_tlast does not mark the end of the strip");
@@ -264,9 +353,15 @@ impl Run {
         let mut compared = 0;
         for (ids, expected) in self.sides.iter().zip([Some(&beat.left), beat.right.as_ref()]) {
             for ((&id, expected), axis) in ids.iter().zip(expected.into_iter().flatten()).zip(AXES) {
-                match self.simulator.get(id) {
+                let value = self.simulator.get(id);
+                if let (true, Some(bounds)) = (reduced, within(value, expected)) {
+                    *error = Some(error.map_or(bounds, |all: ErrorBounds| all.union(bounds)));
+                    compared += 1;
+                    continue;
+                }
+                match value {
                     Value::Form(form) if form.canonical() == *expected => compared += 1,
-                    Value::Form(_) => {
+                    Value::Form(_) | Value::Near(_) => {
                         return wrong(&format!("{axis} is another function of the control points"));
                     }
                     // With all its control points 0, as for a mask without variables.
@@ -287,4 +382,17 @@ impl Run {
             None => format!("{axis} is no function of the control points, or was never set"),
         }
     }
+}
+
+/// The bounds of the error of an output, if it is the expected mask up to an error.
+fn within(value: &Value<12>, expected: &Form<12>) -> Option<ErrorBounds> {
+    let near = match value {
+        Value::Near(near) => *near,
+        Value::Form(form) => Near::from_form(form)?,
+        _ => return None,
+    };
+    let mut coefficients = near.coefficients.iter().zip(&expected.coefficients);
+    let same = coefficients.all(|(&c, &m)| i128::from(c) * expected.divisor == i128::from(m) * near.divisor);
+    (same && near.modulus == 0 && near.group == expected.group)
+        .then_some(ErrorBounds { below: (near.low, near.divisor), above: (near.high, near.divisor) })
 }

@@ -78,20 +78,23 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
     let g3 = m.pipelined("g3", 3 * &g);
     let h3 = m.pipelined("h3", 3 * &h);
     let gh = m.pipelined("gh", &g + &h);
+    // Orders 3 and 4 are multiples of 12. Reduced numbers are to be divided by it, so they do without.
+    let exact = parameters.precision == Precision::Exact;
+    let twelve = |name: &str, x: &Signal| if exact { m.pipelined(name, 12 * x) } else { x.clone() };
     // Rows of the table, in the order of DIFFERENCES.
     let rows = [
         d_c00.clone(),
         m.pipelined("n10_sum", 2 * &c_c10 + 6 * &b_c20 + 2 * &a_c30 + &g),
         m.pipelined("n20_sum", 12 * &m.pipelined("bc20_ac30", &b_c20 + &a_c30) + 14 * &g),
-        m.pipelined("n30_sum", 12 * &m.pipelined("ac30_g3", &a_c30 + &g3)),
+        twelve("n30_sum", &m.pipelined("ac30_g3", &a_c30 + &g3)),
         m.pipelined("n01_sum", 2 * &c_c01 + 6 * &b_c02 + 2 * &a_c03 + &h),
         m.pipelined("n11_sum", 6 * &m.pipelined("bc11_ac", &b_c11 + &a_c21_c12) + 2 * &gh),
-        m.pipelined("n21_sum", 12 * &m.pipelined("ac21_g", &a_c21 + &g)),
-        m.wire("n31_sum", 4 * &g3),
+        twelve("n21_sum", &m.pipelined("ac21_g", &a_c21 + &g)),
+        if exact { m.wire("n31_sum", 4 * &g3) } else { g.clone() },
         m.pipelined("n02_sum", 12 * &m.pipelined("bc02_ac03", &b_c02 + &a_c03) + 14 * &h),
-        m.pipelined("n12_sum", 12 * &m.pipelined("ac12_h", &a_c12 + &h)),
-        m.pipelined("n03_sum", 12 * &m.pipelined("ac03_h3", &a_c03 + &h3)),
-        m.wire("n13_sum", 4 * &h3),
+        twelve("n12_sum", &m.pipelined("ac12_h", &a_c12 + &h)),
+        twelve("n03_sum", &m.pipelined("ac03_h3", &a_c03 + &h3)),
+        if exact { m.wire("n13_sum", 4 * &h3) } else { h.clone() },
     ];
     let rows = match parameters.precision {
         Precision::Exact => rows,
@@ -104,7 +107,7 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
     m.finish()
 }
 
-/// N(k,l) / (12 * 16^R), rounded to the fraction bits of its order.
+/// N(k,l) / (12 * 16^R), rounded to the fraction bits of its order; orders 3 and 4 come without their factor 12.
 fn rounded(
     m: &Builder,
     parameters: Parameters,
@@ -112,25 +115,30 @@ fn rounded(
     level: &Signal,
     rows: [Signal; 12],
 ) -> Result<[Signal; 12]> {
+    // Between patches other numbers pass through.
+    let valid = m.input("valid", Word::bit());
     let mut rounders: BTreeMap<u32, Rc<Module>> = BTreeMap::new();
     let mut rounded = vec![];
     for ((k, l), row) in DIFFERENCES.into_iter().zip(rows) {
         let (order, word) = (k + l, parameters.difference((k, l)));
         if let Entry::Vacant(vacant) = rounders.entry(order) {
-            vacant.insert(rounder::difference(
-                &format!("round_order_{order}"),
-                Word::modular(parameters.startup_modulus()),
-                4 * parameters.max_level + 2,
-                reduced.fractions.of(order as usize),
+            let rounder = rounder::Difference {
+                name: format!("round_order_{order}"),
+                numerator: row.word(),
+                // N is over 3 * 2^(4R + 2), orders 3 and 4 without the factor 12 over 2^4R.
+                thirds: order < 3,
+                exact: 4 * parameters.max_level + if order < 3 { 2 } else { 0 },
+                fraction: reduced.fractions.of(order as usize),
                 word,
-                reduced.rounding,
-            )?);
+                mode: reduced.rounding,
+            };
+            vacant.insert(rounder.build()?);
         }
         // Whether a vertex depends on it; order 2 does not count at level 0, order 3 not at level 1.
         let live = match order {
-            0 | 1 => m.bit(true),
-            2 => m.is_not(level, 0),
-            _ => m.compare(Relation::Less, m.constant(1, Word::range(0, 1)), level),
+            0 | 1 => valid.clone(),
+            2 => &valid & m.is_not(level, 0),
+            _ => &valid & m.compare(Relation::Less, m.constant(1, Word::range(0, 1)), level),
         };
         let live = m.at_time(&live, row.time().unwrap_or(0));
         let inputs = [("numerator", &row), ("live", &live)];

@@ -57,6 +57,10 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
     let patch_level = loader.out("level");
     let mut inputs: Vec<(&str, &Signal)> = names.iter().map(String::as_str).zip(&p).collect();
     inputs.push(("level", &patch_level));
+    let handed_over = loader.out("strobe");
+    if parameters.precision != Precision::Exact {
+        inputs.push(("valid", &handed_over));
+    }
     let startup = m.instance("startup", &startup::build(parameters)?, &inputs);
     let differences: Vec<(String, Signal)> = engine::DIFFERENCES
         .iter()

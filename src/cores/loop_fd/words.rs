@@ -5,10 +5,11 @@
 //!   (2^W - 1) p_m(r) + E_m(r) < 2^(W + I_m - 1)      on every level r of the core
 //!
 //!   p_1 = 2^-r       p_2 = 2 * 4^-r - 7/3 16^-r       p_3 = 8 * 8^-r - 12 * 16^-r       p_4 = 6 * 16^-r
-//!                                                     (D40 and D04 themselves: one bit more than D31, D13)
+//!                                              (D40 = 2 D31 and D04 = 2 D13 are kept without their lowest bit)
 //!
-//!   E_m = u sum over c <= 4 - m of  C(n,c) 2^-F_(m+c)  +  C(n,c+1) 2^-F_(m+c) where F_(m+c) < F_(m+c+1)
-//!         n = 2^r, u = 1/2 (to the nearest) or 1, the term of the fourth order twice
+//!   E_m = sum over c <= 4 - m of  s C(n,c) 2^-F_(m+c)  +  a C(n,c+1) 2^-F_(m+c) where F_(m+c) < F_(m+c+1)
+//!         n = 2^r; s = a = 1/2 half up, else 1; the term of the fourth order twice
+//!         half even: a = 1/2, s = 3/2, as the proof takes the correction of a tie for an error of its own
 //! ```
 //!
 //! p_m is half the sum of the absolute weights of the control points in D, largest over the places from
@@ -27,10 +28,9 @@ const UNIT: u32 = 50;
 /// The word of D(k,l) in a reduced format, modulo its width: what is not read may be too large for it.
 pub fn difference(parameters: Parameters, reduced: Reduced, (k, l): (u32, u32)) -> Word {
     let order = (k + l) as usize;
-    let doubled = i32::from((k, l) == (4, 0) || (k, l) == (0, 4));
     let fraction = reduced.fractions.of(order);
     let bits = (parameters.coordinates.width() + fraction) as i32;
-    let width = (bits + integer_bits(parameters, reduced, order) + doubled).max(2);
+    let width = (bits + integer_bits(parameters, reduced, order)).max(2);
     Word::modular(width as u32).fraction((parameters.coordinates.fraction + fraction) as i32)
 }
 
@@ -78,14 +78,18 @@ fn largest(order: usize, level: u32) -> i128 {
 fn error(reduced: Reduced, order: usize, level: u32) -> i128 {
     let (n, fractions) = (1i128 << level, reduced.fractions);
     let choose = |c: usize| (0..c as i128).fold(1, |product, x| product * (n - x) / (x + 1));
+    let (halves_of_start, halves_of_add) = match reduced.rounding {
+        Rounding::HalfUp | Rounding::Exact => (1, 1),
+        Rounding::HalfEven => (3, 1),
+        Rounding::Floor | Rounding::Truncate => (2, 2),
+    };
     let terms = (0..=HIGHEST_ORDER - order).map(|c| {
         let at = order + c;
         let start = if at == HIGHEST_ORDER { 2 * choose(c) } else { choose(c) };
         let adds = if at < HIGHEST_ORDER && fractions.dropped(at) > 0 { choose(c + 1) } else { 0 };
-        (start + adds) << (UNIT - 1 - fractions.of(at))
+        (start * halves_of_start + adds * halves_of_add) << (UNIT - 1 - fractions.of(at))
     });
-    let nearest = matches!(reduced.rounding, Rounding::HalfUp | Rounding::HalfEven | Rounding::Exact);
-    terms.sum::<i128>() * if nearest { 1 } else { 2 }
+    terms.sum()
 }
 
 #[cfg(test)]

@@ -11,11 +11,12 @@
 //!   rims:  E = (A + B)/2,  V' = (A + 6V + B)/8
 //! ```
 //!
-//! Each new vertex is an integer sum over 2^bits of its source's unit, rounded half up once to the fraction
-//! bits of its level. With 6 bits more than the source only irregular vertices lose anything.
+//! Each new vertex is an integer sum over 2^bits of its source's unit, rounded once to the fraction bits of
+//! its level. With 6 bits more than the source only irregular vertices lose anything.
 
 use super::around::{Around, Three, plus, sum};
 use super::{Point, rounded};
+use crate::fixed::Rounding;
 use crate::surface::catmull_clark::strips::records::Outside;
 use crate::surface::catmull_clark::table::Table;
 
@@ -60,13 +61,14 @@ impl LevelColumn {
 pub struct Step<'a> {
     /// Fraction bits of the new vertices beyond those of their sources.
     pub more: u32,
+    pub rounding: Rounding,
     pub table: &'a Table,
 }
 
 impl Step<'_> {
     /// A sum over 2^bits, rounded.
     fn round(&self, sum: Point, bits: u32) -> Point {
-        sum.map(|x| rounded(x, bits as i32 - self.more as i32))
+        sum.map(|x| rounded(x, bits as i32 - self.more as i32, self.rounding))
     }
 
     /// The middle of a face from the sum of its corners.

@@ -23,6 +23,7 @@ pub mod schedule;
 pub mod window;
 
 use crate::error::{Error, Result};
+use crate::fixed::Rounding;
 use crate::surface::catmull_clark::masks::VALENCES;
 use crate::surface::catmull_clark::numbers::{MAX_LEVELS, Numbers};
 use crate::surface::catmull_clark::strips::records::{Column, Guard, Outside, StripRecords};
@@ -43,6 +44,8 @@ pub struct Parameters {
     /// The largest valence of a strip vertex, 4..=16.
     pub max_valence: u32,
     pub numbers: Numbers,
+    /// How a new vertex loses the bits that its level does not keep. What is put out is rounded half up.
+    pub rounding: Rounding,
     /// b: fraction bits of the table.
     pub table_bits: u32,
     /// f: fraction bits of the output beyond those of the input; may be negative.
@@ -61,6 +64,7 @@ impl Parameters {
             max_levels: MAX_LEVELS,
             max_valence: *VALENCES.end() as u32,
             numbers: Numbers::Exact,
+            rounding: Rounding::HalfUp,
             table_bits: width + 13,
             extra_fraction: 0,
             limit: false,
@@ -257,10 +261,18 @@ impl CcStrip {
     }
 }
 
-/// `x / 2^shift` rounded half up; a negative shift multiplies.
-pub(super) fn rounded(x: i128, shift: i32) -> i128 {
-    match shift {
-        ..=0 => x << -shift,
-        _ => (x + (1 << (shift - 1))) >> shift,
+/// `x / 2^shift`, rounded; a negative shift multiplies.
+pub(super) fn rounded(x: i128, shift: i32, mode: Rounding) -> i128 {
+    if shift <= 0 {
+        return x << -shift;
     }
+    let (below, rest) = (x >> shift, x & ((1 << shift) - 1));
+    let half = 1 << (shift - 1);
+    below
+        + i128::from(match mode {
+            Rounding::HalfUp | Rounding::Exact => rest >= half,
+            Rounding::HalfEven => rest > half || (rest == half && below & 1 == 1),
+            Rounding::Floor => false,
+            Rounding::Truncate => x < 0 && rest != 0,
+        })
 }

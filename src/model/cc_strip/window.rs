@@ -10,6 +10,7 @@
 use super::around::{Around, Three, plus};
 use super::level::{LevelColumn, Step};
 use super::{CcStrip, OutputColumn, Point, rounded};
+use crate::fixed::Rounding;
 
 /// The last three columns of each level.
 pub(super) struct Windows<'a, Made, Put> {
@@ -44,7 +45,8 @@ where
         }
         let numbers = self.core.parameters.numbers;
         let more = numbers.fraction(level + 1) - numbers.fraction(level);
-        let step = Step { more, table: &self.core.table };
+        let rounding = self.core.parameters.rounding;
+        let step = Step { more, rounding, table: &self.core.table };
         if index >= 1 {
             let [previous, column, next] = &self.columns[level as usize];
             let column = column.as_ref().map(|column| {
@@ -70,7 +72,7 @@ where
         let (true, Some(column)) = ((0..=self.last).contains(&index), column) else { return };
         let fraction = core.parameters.numbers.fraction(self.levels) as i32;
         let shift = fraction - core.parameters.extra_fraction;
-        let narrow = |p: Point, shift: i32| p.map(|x| rounded(x, shift) as i64);
+        let narrow = |p: Point, shift: i32| p.map(|x| rounded(x, shift, Rounding::HalfUp) as i64);
         let vertices = if core.parameters.limit {
             let three = Three { previous: previous.as_ref(), column, next: next.as_ref() };
             let bits = core.table.bits();

@@ -64,8 +64,14 @@ impl<W: Word, R: Rounding<W>> Columns<W, R> {
 
     /// Goes to column 0 of a patch.
     pub fn start(&mut self, level: u32, points: &[[W; 3]; 12]) {
-        for (x, axis) in self.axes.iter_mut().enumerate() {
-            *axis = differences(level, &points.map(|p| p[x]));
+        self.start_from([0, 1, 2].map(|x| differences(level, &points.map(|p| p[x]))));
+    }
+
+    /// Goes to column 0 of a patch with these differences.
+    #[inline(always)]
+    pub(super) fn start_from(&mut self, axes: [Outer<W>; 3]) {
+        self.axes = axes;
+        for axis in &mut self.axes {
             axis.row0[0] = axis.row0[0].plus(self.rounding.folded());
         }
     }

@@ -12,7 +12,8 @@
 //! The adds are those of [`super::columns`], in its order.
 
 use super::LoopFd;
-use super::columns::{Outer, differences};
+use super::columns::{self as exact, Outer, differences};
+use super::rounding::{ByDivision, ByMultiplication, Rounding as FinalRounding};
 use crate::fixed::{Reduced, Rounding};
 use crate::surface::word::Word;
 
@@ -205,12 +206,8 @@ impl<W: Word, L: Lose> Walk for Columns<W, L> {
                 true => self.rounded(W::narrow(exact[index]), order),
                 false => W::ZERO,
             };
-            *axis = Outer {
-                row0: [0, 1, 2, 3].map(|k| difference(k, k)),
-                row1: [0, 1, 2, 3].map(|k| difference(4 + k, k + 1)),
-                row2: [0, 1].map(|k| difference(8 + k, k + 2)),
-                row3: [0, 1].map(|k| difference(10 + k, k + 3)),
-            };
+            const ORDERS: [usize; 12] = [0, 1, 2, 3, 1, 2, 3, 4, 2, 3, 3, 4];
+            *axis = outer(&std::array::from_fn(|index| difference(index, ORDERS[index])));
         }
         self.axes = axes;
     }
@@ -231,6 +228,32 @@ impl<W: Word, L: Lose> Walk for Columns<W, L> {
         }
         self.step();
     }
+}
+
+/// The columns of any core.
+pub fn columns_of_any(core: &LoopFd) -> Box<dyn Walk> {
+    match (columns(core), ByMultiplication::new(core)) {
+        (Some(columns), _) => columns,
+        (None, Some(rounding)) => Box::new(ExactColumns(exact::Columns::<i64, _>::new(rounding))),
+        (None, None) => Box::new(ExactColumns(exact::Columns::<i128, _>::new(ByDivision::new(core)))),
+    }
+}
+
+struct ExactColumns<C>(C);
+
+impl<W: Word, R: FinalRounding<W>> Walk for ExactColumns<exact::Columns<W, R>> {
+    fn start_from(&mut self, _: u32, numerators: &Numerators) {
+        self.0.start_from(numerators.map(|n| outer(&n.map(W::narrow))));
+    }
+
+    fn next(&mut self, column: &mut [[i64; 3]]) {
+        self.0.next(column);
+    }
+}
+
+fn outer<W: Word>(n: &[W; 12]) -> Outer<W> {
+    let [a, b, c, d, e, f, g, h, i, j, k, l] = *n;
+    Outer { row0: [a, b, c, d], row1: [e, f, g, h], row2: [i, j], row3: [k, l] }
 }
 
 fn list<W: Word>(outer: &Outer<W>) -> [W; 12] {

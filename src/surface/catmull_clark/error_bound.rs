@@ -3,7 +3,7 @@
 //! ```text
 //!   error <= 1/2 + 2^f (sum over levels k = 1..L of r_k + tau_k  +  limit)     units of the output's last place
 //!
-//!   r_k    2^-(g+1) with g guard bits; in the exact format 2^-(6k+1) where a valence is not 4, else 0
+//!   r_k    2^-(g+1) with g guard bits, twice that by floor or truncation; in the exact format 2^-(6k+1) where a valence is not 4, else 0
 //!   tau_k  |kappa_d - table| |6 sum A + sum D - 7d S| <= 2^-(b+1) 7d D_k-1;  0 for d = 4, 8, 16
 //!          D_k = ring radius max(|A_i - S|, |D_i - S|),  D_0 < 2^W,  D_k <= q_d D_k-1 + 2 r_k + tau_k
 //!   limit  |lambda_d - table| |4 sum A + sum D - 5d S| <= 2^-(b+1) 5d D
@@ -13,6 +13,7 @@
 //! rules from exact integers, so the bound holds for them too. Without the roundings the table's part is
 //! below K_d 2^-b D_0 with K_d = (7d/2)/(1 - q_d), and below (5d/2) 2^-b D_0 more for a limit.
 
+use crate::fixed::Rounding;
 use crate::surface::catmull_clark::masks::{VALENCES, ring_contraction};
 use crate::surface::catmull_clark::numbers::Numbers;
 use crate::surface::catmull_clark::table::Table;
@@ -27,6 +28,8 @@ pub struct Accuracy {
     /// L, how often a strip is subdivided.
     pub levels: u32,
     pub numbers: Numbers,
+    /// How a new vertex is rounded to its level's numbers.
+    pub rounding: Rounding,
     /// Fraction bits b of the table.
     pub table_bits: u32,
     /// Largest valence other than 4; none for a regular mesh.
@@ -43,11 +46,14 @@ pub fn error_bound_lsb(accuracy: &Accuracy) -> f64 {
     // (d, radius of the rings of valence d)
     let mut rings: Vec<(usize, f64)> =
         VALENCES.filter(|&d| irregular.is_some_and(|largest| d <= largest)).map(|d| (d, spread)).collect();
+    // A direction costs up to a whole unit, the nearest number half of one.
+    let directed = matches!(accuracy.rounding, Rounding::Floor | Rounding::Truncate);
+    let units = if directed { 1.0 } else { 0.5 };
     let mut error = 0.0;
     for level in 1..=accuracy.levels {
         let rounding = match accuracy.numbers {
             Numbers::Exact if irregular.is_none() => 0.0,
-            numbers => (-f64::from(numbers.fraction(level)) - 1.0).exp2(),
+            numbers => units * (-f64::from(numbers.fraction(level))).exp2(),
         };
         let mut most = 0.0;
         for (d, radius) in &mut rings {
@@ -101,6 +107,7 @@ mod tests {
             extra_fraction: 0,
             levels,
             numbers,
+            rounding: Rounding::HalfUp,
             table_bits: 25,
             largest_irregular_valence,
             limit: false,
@@ -112,6 +119,8 @@ mod tests {
         assert_eq!(error_bound_lsb(&accuracy(7, Numbers::Exact)), 0.5);
         let bound = error_bound_lsb(&accuracy(5, Numbers::Guard(6)));
         assert!((bound - (0.5 + 5.0 / 128.0)).abs() < 1e-9, "{bound}");
+        let floor = Accuracy { rounding: Rounding::Floor, ..accuracy(5, Numbers::Guard(6)) };
+        assert!((error_bound_lsb(&floor) - (0.5 + 5.0 / 64.0)).abs() < 1e-9);
     }
 
     #[test]
@@ -124,6 +133,7 @@ mod tests {
                         extra_fraction: 0,
                         levels,
                         numbers: Numbers::Exact,
+                        rounding: Rounding::HalfUp,
                         table_bits: width + 13,
                         largest_irregular_valence: Some(d),
                         limit,

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //!   exact      6l bits at level l     F needs 2 bits more than its source, E 4, V' 6; the integer part stays
-//!   guard g    g bits at every level  one half-up rounding per new vertex, of its unrounded sum
+//!   guard g    g bits at every level  one rounding per new vertex, of its unrounded sum
 //! ```
 
 use std::fmt;
