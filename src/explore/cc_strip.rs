@@ -127,6 +127,7 @@ impl Stage {
             extra_fraction: reference.extra_fraction,
             levels: self.level,
             numbers: reference.numbers,
+            rounding: reference.rounding,
             table_bits: design.table,
             largest_irregular_valence: self.quads.largest_irregular_valence(),
             limit: false,
