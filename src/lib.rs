@@ -11,7 +11,7 @@
 //!                                                                                │
 //!                                                  compare bit for bit ◄─────────┘
 //!                                                             │
-//!                           fine mesh, error against the exact limit, pictures
+//!                           fine mesh, error against the exact limit, pictures; which bits it needs
 //! ```
 //!
 //! | room | what lives there | uses |
@@ -25,6 +25,7 @@
 //! | [`cores`] | the hardware, one unit a file | `hdl`, `fixed`, constants of `surface` |
 //! | [`cosim`] | stimulus, drivers of every simulator, comparison, verdict | all above |
 //! | [`package`] | a core as files: Verilog, testbench, FuseSoC, manifest | all above |
+//! | [`explore`] | sweeps over number formats, their bounds and costs, the Pareto front | all above |
 //! | [`report`] | tables and pictures | plain data |
 //! | [`cli`] | one file for each subcommand | all above |
 //!
@@ -35,6 +36,7 @@ pub mod cli;
 pub mod cores;
 pub mod cosim;
 pub mod error;
+pub mod explore;
 pub mod files;
 pub mod fixed;
 pub mod hdl;

@@ -13,6 +13,7 @@
 pub mod completions;
 pub mod config;
 pub mod doctor;
+pub mod explore;
 mod failure;
 pub mod generate;
 pub mod output;
@@ -71,6 +72,7 @@ struct Cli {
 enum Command {
     Simulate(Box<simulate::Args>),
     Generate(Box<generate::Args>),
+    Explore(Box<explore::Args>),
     Report(report::Args),
     Shapes(shapes::Args),
     Doctor(doctor::Args),
@@ -82,6 +84,7 @@ impl Command {
     fn format(&self) -> Format {
         match self {
             Command::Simulate(args) => args.format.format,
+            Command::Explore(args) => args.format(),
             Command::Report(args) => args.format(),
             Command::Shapes(args) => args.format.format,
             Command::Doctor(args) => args.format.format,
@@ -93,6 +96,7 @@ impl Command {
         match self {
             Command::Simulate(args) => simulate::run(args),
             Command::Generate(args) => generate::run(args),
+            Command::Explore(args) => explore::run(args),
             Command::Report(args) => report::run(args),
             Command::Shapes(args) => shapes::run(args),
             Command::Doctor(args) => doctor::run(args),

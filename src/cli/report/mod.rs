@@ -1,5 +1,6 @@
 //! `report`: what the papers say beside what is measured, one file for each report.
 
+mod figures;
 mod thesis;
 
 use super::output::Format;
@@ -16,6 +17,7 @@ pub struct Args {
 #[derive(Debug, Subcommand)]
 enum Report {
     Thesis(thesis::Args),
+    Figures(figures::Args),
 }
 
 impl Args {
@@ -23,6 +25,7 @@ impl Args {
     pub fn format(&self) -> Format {
         match &self.report {
             Report::Thesis(args) => args.format.format,
+            Report::Figures(args) => args.format.format,
         }
     }
 }
@@ -32,5 +35,6 @@ impl Args {
 pub fn run(args: &Args) -> Result<()> {
     match &args.report {
         Report::Thesis(args) => thesis::run(args),
+        Report::Figures(args) => figures::run(args),
     }
 }

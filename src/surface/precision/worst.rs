@@ -114,7 +114,7 @@ struct Search {
 }
 
 /// Partial choices that are kept.
-const BEAM: usize = 256;
+const BEAM: usize = 64;
 
 impl Search {
     /// M (rnd(N/M) - N/M).
@@ -174,7 +174,13 @@ impl Search {
         }
         // The best first; of equal ones the smallest numbers.
         let size = |choice: &Choice| choice.numbers.iter().map(|x| x.abs()).max();
-        extended.sort_by(|a, b| b.score.cmp(&a.score).then(size(a).cmp(&size(b))).then(a.cmp(b)));
+        let order = |a: &Choice, b: &Choice| b.score.cmp(&a.score).then(size(a).cmp(&size(b))).then(a.cmp(b));
+        // Most are far from the best: these alone are sorted.
+        if extended.len() > 8 * BEAM {
+            extended.select_nth_unstable_by(8 * BEAM, order);
+            extended.truncate(8 * BEAM);
+        }
+        extended.sort_by(order);
         extended.dedup();
         extended.truncate(BEAM);
         extended
