@@ -16,6 +16,7 @@ use std::rc::Rc;
 
 use super::Parameters;
 use super::fan::{End, fan_names};
+use super::finish::{Kind, Normals};
 use crate::error::Result;
 use crate::hdl::{Builder, Module, Placed, Signal, Word};
 
@@ -61,7 +62,15 @@ pub fn build(parameters: Parameters, level: u32, producer: Producer) -> Result<R
     let begin = m.input("shift", Word::bit());
     let guard = (parameters.word(level).fraction - word.fraction) as u32;
     let kept = if guard == 0 { "" } else { KEPT };
-    let stage = |stage: &str, place: &str| m.register(format!("{stage}_{place}{kept}"), word);
+    // The tangents of a vertex weigh what its fan has not with zero: a number it must be, from reset on.
+    let weighed = matches!(parameters.normals, Some(Normals { kind: Kind::Limit, .. }));
+    let stage = |stage: &str, place: &str| {
+        let name = format!("{stage}_{place}{kept}");
+        match weighed && (place.contains("_a_") || place.contains("_x_")) {
+            true => m.register_reset(name, word, 0),
+            false => m.register(name, word),
+        }
+    };
     let moved = |to: &Signal, from: &Signal| m.on(&begin, to, from);
     let put = |name: String, kept: &Signal| match guard {
         0 => m.output(name, kept),
