@@ -125,8 +125,11 @@ impl Stage {
         });
         Ok(match numbers_of(design)?.reduced() {
             None => exact,
-            // The sum of two numbers that are rounded up may still fall by its own last bit.
-            Some(reduced) => (exact - 0.5 + total_lsb(reduced, self.level, 0)).next_up(),
+            Some(reduced) => match (exact - 0.5, total_lsb(reduced, self.level, 0)) {
+                (0.0, format) => format,
+                // The sum of two numbers that are rounded up may still fall by its own last bit.
+                (irregular, format) => (irregular + format).next_up(),
+            },
         })
     }
 }

@@ -133,8 +133,10 @@ impl Search<'_> {
         let Some(exact) = self.bound(Design { rounding: Rounding::HalfUp, ..base })? else {
             return Ok(vec![]);
         };
-        // 2^-40 units finer than any format that matters, and never too much.
-        let room = ((self.target_lsb - exact) * 40f64.exp2()).floor() - 1.0;
+        // 2^-40 units are finer than any format that matters. On a regular mesh the room is exact; else one unit less
+        // makes up for the roundings of the sum.
+        let irregular = f64::from(exact > 0.5);
+        let room = ((self.target_lsb - exact) * 40f64.exp2()).floor() - irregular;
         if room < 1.0 {
             return Ok(vec![]);
         }

@@ -122,12 +122,13 @@ mod tests {
 
     #[test]
     fn finer_meshes_jump_less() {
-        let blob = mesh::shape("blob").unwrap();
+        // Where the curvature is resolved, an angle halves with each level.
+        let torus = mesh::shape("torus").unwrap();
         let jump = |level| {
-            let (positions, triangles) = fine(&blob, level).unwrap();
+            let (positions, triangles) = fine(&torus, level).unwrap();
             largest_jump(&positions, &triangles)
         };
         let [coarse, fine] = [jump(2), jump(4)];
-        assert!(fine < coarse / 2.0 && fine > 0.0, "{coarse} {fine}");
+        assert!(fine < coarse / 3.0 && fine > 0.0, "{coarse} {fine}");
     }
 }
