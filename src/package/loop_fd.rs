@@ -100,6 +100,7 @@ fn parameters_json(parameters: Parameters) -> Value {
         object["differences"] = json!({
             "fractions": reduced.fractions.all(),
             "widths": widths,
+            "register_bits_of_a_coordinate": words::register_bits(parameters),
             "rounding": reduced.rounding.to_string(),
             "saturate": reduced.saturate,
             "error_before_last_rounding": {

@@ -17,7 +17,7 @@
 //! order 3. Boundary patches completed with ghosts are among them, and three limit positions sent as a patch
 //! of level 0. Vertices stay in the hull, up to E_0. What is claimed here is proved for each core.
 
-use super::Parameters;
+use super::{Parameters, RegisterForm};
 use crate::fixed::precision::HIGHEST_ORDER;
 use crate::fixed::{Range, Reduced, Rounding};
 use crate::hdl::Word;
@@ -32,6 +32,26 @@ pub fn difference(parameters: Parameters, reduced: Reduced, (k, l): (u32, u32)) 
     let bits = (parameters.coordinates.width() + fraction) as i32;
     let width = (bits + integer_bits(parameters, reduced, order)).max(2);
     Word::modular(width as u32).fraction((parameters.coordinates.fraction + fraction) as i32)
+}
+
+/// Bits of the registers that one coordinate differences with: the outer differences and two columns. The next
+/// patch waits in as many outer differences again, and the start-up is shared by the coordinates.
+pub fn register_bits(parameters: Parameters) -> u32 {
+    let form = parameters.registers;
+    let mut orders = super::DIFFERENCES.to_vec();
+    if matches!(form, RegisterForm::Published23 | RegisterForm::WithoutZero22) {
+        orders.extend([(4, 0), (0, 4)]);
+    }
+    if form == RegisterForm::Published23 {
+        orders.push((2, 2));
+    }
+    let column = [(0, 0), (0, 1), (0, 2), (0, 3)];
+    orders.extend(column);
+    match form {
+        RegisterForm::Relative19 => orders.extend([(1, 0), (1, 1), (1, 2)]),
+        _ => orders.extend(column),
+    }
+    orders.into_iter().map(|kl| parameters.difference(kl).width()).sum()
 }
 
 /// I_m: integer bits above W.
@@ -95,7 +115,6 @@ fn error(reduced: Reduced, order: usize, level: u32) -> i128 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cores::loop_fd::RegisterForm;
     use crate::fixed::Precision;
 
     fn bits(min_level: u32, max_level: u32, fractions: &str) -> [i32; 5] {
@@ -121,6 +140,37 @@ mod tests {
         for (r, fractions) in [(3, "5,8,8,8,11"), (5, "7,11,15,18,18"), (8, "10,17,24,30,30")] {
             assert_eq!(bits(r as u32, r as u32, fractions), [1, 2 - r, 2 - 2 * r, 4 - 3 * r, 4 - 4 * r]);
         }
+    }
+
+    #[test]
+    fn register_bits_are_those_of_the_engine() {
+        for form in RegisterForm::ALL {
+            let exact = Parameters::new("Q8.8".parse().unwrap(), 8, 5, form).unwrap();
+            assert_eq!(register_bits(exact), form.count() * exact.modulus());
+            let fractions = if form == RegisterForm::Relative19 { "17" } else { "8,12,14,17,18" };
+            let reduced = Precision::Reduced(Reduced::new(fractions.parse().unwrap()));
+            for parameters in [exact, exact.with_precision(reduced).unwrap()] {
+                let engine = super::super::engine::build(parameters).unwrap();
+                let registers = engine.nodes.iter().filter(|node| {
+                    let name = node.name.as_deref().unwrap_or_default();
+                    // d00, left_0, ...; not the stages behind them, of which the right column of 19 is one.
+                    let column = if form == RegisterForm::Relative19 { "gap_" } else { "right_" };
+                    let rest = ["d", "left_", column].iter().find_map(|p| name.strip_prefix(p));
+                    let differenced = rest.is_some_and(|rest| rest.parse::<u32>().is_ok());
+                    matches!(node.cell, crate::hdl::Cell::Register { .. }) && differenced
+                });
+                assert_eq!(
+                    registers.map(|n| n.word.width()).sum::<u32>(),
+                    register_bits(parameters),
+                    "{form}"
+                );
+            }
+        }
+        // One level alone, 16 bits: 743 exact ones if each register is as narrow as it can be.
+        let parameters = Parameters::new("Q8.8".parse().unwrap(), 8, 8, RegisterForm::Minimal20).unwrap();
+        let reduced = Precision::Reduced(Reduced::new("11,18,23,29,30".parse().unwrap()));
+        let parameters = parameters.with_min_level(8).and_then(|p| p.with_precision(reduced)).unwrap();
+        assert_eq!(register_bits(parameters), 512);
     }
 
     #[test]
