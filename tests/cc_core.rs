@@ -10,6 +10,7 @@ use subdiv_rtl::cosim::strip_bench::StripBench;
 use subdiv_rtl::cosim::{Builtin, Model, Simulator, Stall, Stimulus, device};
 use subdiv_rtl::fixed::Format;
 use subdiv_rtl::hdl::Module;
+use subdiv_rtl::hdl::inventory::Operators;
 use subdiv_rtl::mesh::{quantise, shape};
 use subdiv_rtl::surface::catmull_clark::oracle::{QuadOracle, Target};
 use subdiv_rtl::surface::catmull_clark::quad_mesh::QuadMesh;
@@ -147,4 +148,26 @@ fn storage_at_five_levels_and_valence_ten() {
     let core = build(exact(5)).unwrap();
     let stored = stored_vertices(&core, exact(5)).unwrap();
     assert_eq!(stored, 335, "of at most 315 + 30");
+}
+
+/// A face and a vertex column together: 9X - 10 two-input adders for X = 3 + 2^l source rows, what recovers the
+/// previous column's ends included.
+#[test]
+fn adders_of_the_separable_datapath() {
+    for levels in 1..=5 {
+        let core = build(exact(levels)).unwrap();
+        let source = levels - 1;
+        let engine = core.instances.iter().find(|i| i.name == format!("engine_{source}_x")).unwrap();
+        let inner = |name: &str| {
+            let unit = engine.module.instances.iter().find(|i| i.name == name).unwrap();
+            Operators::of(&unit.module).two_operand_adders()
+        };
+        let fans = inner("top_fan") + inner("bottom_fan");
+        let adders = Operators::of(&engine.module).two_operand_adders() - fans;
+        let rows = 3 + (1 << source);
+        println!("level {levels}: {adders} adders of at most {}", 9 * rows - 10);
+        assert!(adders <= 9 * rows - 10, "level {levels}: {adders}");
+        let parts = inner("face_column") + inner("vertex_column") + inner(&format!("window_{source}"));
+        assert_eq!(adders, parts + 4);
+    }
 }

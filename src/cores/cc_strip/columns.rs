@@ -1,11 +1,11 @@
 //! The face column and the vertex column: separable sums over the rows of two and three columns.
 //!
 //! ```text
-//! s = left + right              F = (s_k + s_{k+1}) / 4          E_row = (s_{k-1} + 6 s_k + s_{k+1}) / 16
-//! t = previous + 6 c + next     E_col = (t_k + t_{k+1}) / 16     V = (t_{k-1} + 6 t_k + t_{k+1}) / 64
+//! s = c + next                  F = (s_k + s_{k+1}) / 4          E_row = (s_{k-1} + 6 s_k + s_{k+1}) / 16
+//! t = s_old + s + 4 c           E_col = (t_k + t_{k+1}) / 16     V = (t_{k-1} + 6 t_k + t_{k+1}) / 64
 //! ```
 //!
-//! Everything is computed over 64, so nothing is divided here; where vertices are kept with guard bits, each
+//! where s_old = previous + c is the s of the column before. Everything is computed over 64, so nothing is divided here; where vertices are kept with guard bits, each
 //! new one is rounded once, from its unrounded sum. A unit works on q cells: rows 0 .. q, and the rows above
 //! and below them, which lie outside of the strip at its ends. Source: Hall, sections 4.3 and 4.4.
 
@@ -30,19 +30,13 @@ fn vertex(m: &Builder, parameters: Parameters, level: u32, name: String, sum: im
 }
 
 /// The column between two: `edge_k` on row k, `face_k` between the rows k and k + 1, `face_above` and
-/// `face_below` beyond the ends. Inputs `left_..` and `right_..` by [`row_names`].
+/// `face_below` beyond the ends. Inputs `s_..` by [`row_names`].
 pub fn face_column(parameters: Parameters, level: u32, cells: u32) -> Result<Rc<Module>> {
     let m = Builder::new(&format!("face_column_{level}"));
     m.purpose(format!("Face points and edge points between two columns of level {level}, {cells} cells."));
-    let word = parameters.word(level);
     let names = row_names(cells);
-    let [left, right] = ["left", "right"]
-        .map(|side| names.iter().map(|row| m.input(format!("{side}_{row}"), word)).collect::<Vec<_>>());
-    let s: Vec<Signal> = names
-        .iter()
-        .zip(left.iter().zip(&right))
-        .map(|(row, (a, b))| m.wire(format!("s_{row}"), a + b))
-        .collect();
+    let s: Vec<Signal> =
+        names.iter().map(|row| m.input(format!("s_{row}"), parameters.sum_word(level))).collect();
     let pairs: Vec<Signal> =
         s.windows(2).zip(&names).map(|(w, row)| m.wire(format!("s_pair_{row}"), &w[0] + &w[1])).collect();
     let last = cells as usize + 1;
@@ -63,19 +57,19 @@ pub fn face_column(parameters: Parameters, level: u32, cells: u32) -> Result<Rc<
 }
 
 /// The new rows of a column itself: `edge_k` between the rows k and k + 1, `vertex_k` in place of row k where
-/// both neighbours are in the strip: k = 1 .. q - 1, and k = 0 where the unit works on `sliced` columns.
+/// both neighbours are in the strip: k = 1 .. q - 1, and k = 0 where the unit works on `sliced` columns. Inputs
+/// `old_..` (s_old), `s_..` and `column_..`.
 pub fn vertex_column(parameters: Parameters, level: u32, cells: u32, sliced: bool) -> Result<Rc<Module>> {
     let m = Builder::new(&format!("vertex_column_{level}"));
     m.purpose(format!("Edge points and replaced vertices of a column of level {level}, {cells} cells."));
-    let word = parameters.word(level);
     let names = &row_names(cells)[usize::from(!sliced)..=cells as usize + 1];
-    let columns = ["previous", "column", "next"]
-        .map(|side| names.iter().map(|row| m.input(format!("{side}_{row}"), word)).collect::<Vec<_>>());
-    let [previous, column, next] = columns;
-    let t: Vec<Signal> = (0..names.len())
-        .map(|k| {
-            let around = m.wire(format!("around_{}", names[k]), &previous[k] + &next[k]);
-            m.wire(format!("t_{}", names[k]), &around + 6 * &column[k])
+    let t: Vec<Signal> = names
+        .iter()
+        .map(|row| {
+            let [old, s] =
+                ["old", "s"].map(|sum| m.input(format!("{sum}_{row}"), parameters.sum_word(level)));
+            let column = m.input(format!("column_{row}"), parameters.word(level));
+            m.wire(format!("t_{row}"), &old + &s + 4 * &column)
         })
         .collect();
     let pairs: Vec<Signal> =

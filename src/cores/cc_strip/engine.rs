@@ -56,6 +56,12 @@ fn within(group: &Group, level: u32) -> Producer {
     Producer::Slices { cells: (1 << (level - 1)) / slices, slices }
 }
 
+/// Whether the window of a group adds columns for its unit: where the unit works on whole columns of one level. Else
+/// rows are brought to the unit before they are added.
+pub fn keeps_sums(group: &Group) -> bool {
+    group.levels.clone().count() == 1 && group.most_slices() == 1
+}
+
 /// Bits that number the slices of a column.
 pub fn slice_bits(group: &Group) -> u32 {
     group.most_slices().ilog2()
@@ -101,7 +107,7 @@ pub fn build(parameters: Parameters, index: usize, groups: &[Group]) -> Result<R
         } else {
             within(group, level)
         };
-        let unit = window::build(parameters, level, from)?;
+        let unit = window::build(parameters, level, from, keeps_sums(group))?;
         let ports: Vec<(String, Signal)> = if level == levels[0] {
             let name = |id: &crate::hdl::NodeId| unit.node(*id).name.clone().unwrap_or_default();
             unit.inputs
@@ -127,8 +133,9 @@ pub fn build(parameters: Parameters, index: usize, groups: &[Group]) -> Result<R
         levels.iter().zip(&placed).map(|(&level, placed)| Columns::new(parameters, level, placed)).collect();
 
     let unit = Unit { m: &m, parameters, group, columns: &columns, serve: &serve, slice: &slice };
-    let between = unit.face_column()?;
-    let middle = unit.vertex_column(valences)?;
+    let sums = unit.sums(false);
+    let between = unit.face_column(&sums)?;
+    let middle = unit.vertex_column(valences, &sums)?;
     let both = between.rows.iter().zip(&middle.rows).chain(between.outside.iter().zip(&middle.outside));
     let names = (0..group.lanes()).map(|u| format!("row_{u}")).chain(outside_places(parameters));
     for ((name, (on_face, on_vertex)), made) in names.zip(both).zip(made.iter().chain(&made_outside)) {
@@ -256,10 +263,23 @@ impl Unit<'_> {
         }))
     }
 
-    fn rows(&self, column: usize) -> Vec<(String, Signal)> {
+    /// c + next (`old` false) or previous + c of every row that has them, by its name.
+    fn sums(&self, old: bool) -> Vec<(String, Signal)> {
+        let word = self.parameters.sum_word(self.level());
+        let sum = |(name, at): (&String, i64)| match self.columns {
+            [only] if keeps_sums(self.group) && old => {
+                (0..only.rows() as i64).contains(&at).then(|| only.row(0, at))?
+            }
+            [only] if keeps_sums(self.group) => only.sum(at),
+            _ => {
+                let first = usize::from(!old);
+                let [a, b] = [self.row(first, at)?, self.row(first + 1, at)?];
+                Some(self.m.wire(format!("{}_{name}", if old { "old" } else { "s" }), &a + &b))
+            }
+        };
         let names = row_names(self.cells());
-        let row = |(k, name): (usize, String)| Some((name, self.row(column, k as i64 - 1)?));
-        names.into_iter().enumerate().filter_map(row).collect()
+        let named = names.iter().zip(-1..).filter_map(|(name, at)| Some((name.clone(), sum((name, at))?)));
+        named.map(|(name, signal)| (name, fit(self.m, &signal, word))).collect()
     }
 
     /// The last row of a level in its last slice, as the unit counts.
@@ -267,14 +287,10 @@ impl Unit<'_> {
         self.cells().min(1 << level)
     }
 
-    fn face_column(&self) -> Result<Outgoing> {
+    fn face_column(&self, sums: &[(String, Signal)]) -> Result<Outgoing> {
         let unit = face_column(self.parameters, self.level(), self.cells())?;
-        let (left, right) = (self.rows(1), self.rows(2));
-        let named = |side: &str, rows: &[(String, Signal)]| -> Vec<(String, Signal)> {
-            rows.iter().map(|(row, signal)| (format!("{side}_{row}"), signal.clone())).collect()
-        };
-        let placed =
-            place(self.m, "face_column", &unit, [named("left", &left), named("right", &right)].concat());
+        let named = sums.iter().map(|(row, signal)| (format!("s_{row}"), signal.clone())).collect();
+        let placed = place(self.m, "face_column", &unit, named);
         let rows = (0..self.group.lanes())
             .map(|u| placed.out(&format!("{}_{}", if u % 2 == 0 { "edge" } else { "face" }, u / 2)))
             .collect();
@@ -302,16 +318,17 @@ impl Unit<'_> {
         chosen.unwrap_or_else(|| self.m.bit(false))
     }
 
-    fn vertex_column(&self, valences: [Signal; 2]) -> Result<Outgoing> {
+    fn vertex_column(&self, valences: [Signal; 2], sums: &[(String, Signal)]) -> Result<Outgoing> {
         let m = self.m;
         let unit = vertex_column(self.parameters, self.level(), self.cells(), self.sliced())?;
         let mut inputs = vec![];
-        for (column, side) in ["previous", "column", "next"].iter().enumerate() {
-            for (row, signal) in self.rows(column) {
-                if row != "below" && (row != "above" || self.sliced()) {
-                    inputs.push((format!("{side}_{row}"), signal));
-                }
-            }
+        let seen = |row: &str| row != "below" && (row != "above" || self.sliced());
+        for (side, rows) in [("old", &self.sums(true)[..]), ("s", sums)] {
+            let rows = rows.iter().filter(|(row, _)| seen(row));
+            inputs.extend(rows.map(|(row, signal)| (format!("{side}_{row}"), signal.clone())));
+        }
+        for (row, at) in row_names(self.cells()).iter().zip(-1..).filter(|(row, _)| seen(row)) {
+            inputs.extend(self.row(1, at).map(|signal| (format!("column_{row}"), signal)));
         }
         let placed = place(m, "vertex_column", &unit, inputs);
         let fan_unit = fan::build(self.parameters, self.level())?;
@@ -345,6 +362,17 @@ impl Unit<'_> {
         Ok(Outgoing { rows, outside: [outside(top), outside(bottom)].concat() })
     }
 
+    /// A row near an end; of the previous column, where its sum with the middle one is kept, what is more in it.
+    fn end_row(&self, columns: &Columns, column: usize, end: End, inward: usize) -> Signal {
+        let row = columns.end_row(column, end, inward);
+        if column > 0 || !keeps_sums(self.group) {
+            return row;
+        }
+        let name = format!("{}_previous_{inward}", end.name());
+        let middle = columns.end_row(1, end, inward);
+        self.m.claim(&name, &row - &middle, self.parameters.word(columns.level), None)
+    }
+
     /// What the fan unit of an end sees, of the level that is served.
     fn end(&self, end: End, valence: Signal) -> EndView {
         // Every window has these.
@@ -355,8 +383,8 @@ impl Unit<'_> {
         let entries = 1 + fan_names(self.parameters).len();
         let ring: Vec<Signal> = (0..entries).map(|i| pick(&|c: &Columns| c.fan(end)[i].clone())).collect();
         EndView {
-            outer: [0, 1, 2].map(|column| pick(&|c: &Columns| c.end_row(column, end, 0))),
-            inner: [0, 1, 2].map(|column| pick(&|c: &Columns| c.end_row(column, end, 1))),
+            outer: [0, 1, 2].map(|column| pick(&|c: &Columns| self.end_row(c, column, end, 0))),
+            inner: [0, 1, 2].map(|column| pick(&|c: &Columns| self.end_row(c, column, end, 1))),
             before: pick(&|c: &Columns| c.outside(0, end, "right")),
             after: pick(&|c: &Columns| c.outside(2, end, "left")),
             neighbours: ring.iter().step_by(2).cloned().collect(),

@@ -52,7 +52,8 @@ impl Output<'_> {
             stage("middle", &next)
         });
 
-        let unit = window::build(p, p.levels, Producer::Slices { cells: 1 << (p.levels - 1), slices: 1 })?;
+        let unit =
+            window::build(p, p.levels, Producer::Slices { cells: 1 << (p.levels - 1), slices: 1 }, false)?;
         let place = |axis: usize| -> Placed {
             let mut inputs = vec![
                 ("shift".to_string(), arrives.clone()),

@@ -154,6 +154,12 @@ impl Parameters {
         Word::from(hull).fraction((self.coordinates.fraction + extra) as i32)
     }
 
+    /// The sum of two vertices of a level.
+    pub(super) fn sum_word(self, level: u32) -> Word {
+        let word = self.word(level);
+        Word { range: word.range + word.range, ..word }
+    }
+
     /// A vertex as it leaves: the largest one rounds up where the output has fewer fraction bits.
     pub fn output_word(self) -> Word {
         let more = u32::from(self.output_fraction < self.coordinates.fraction);

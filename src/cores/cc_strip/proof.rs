@@ -130,12 +130,21 @@ impl Window {
     }
 
     /// What a register of the window holds, by its name; nothing where the unit must not look.
-    fn register(&self, name: &str) -> Option<&Mask> {
+    fn register(&self, name: &str, sums: bool) -> Option<Mask> {
         let (stage, place) = name.split_once('_')?;
         let column = STAGES.iter().position(|s| *s == stage);
         if let (Some(column), Some(row)) = (column, place.strip_prefix("row_")) {
-            return self.columns[column].get(row.parse::<usize>().ok()?);
+            let row = row.parse::<usize>().ok()?;
+            let vertex = self.columns[column].get(row)?;
+            return Some(match column {
+                0 if sums => total(&[(1, vertex), (1, self.columns[1].get(row)?)]),
+                _ => vertex.clone(),
+            });
         }
+        self.outside_register(column, place).cloned()
+    }
+
+    fn outside_register(&self, column: Option<usize>, place: &str) -> Option<&Mask> {
         let (end, place) = place.split_once('_')?;
         let end = usize::from(end == End::Bottom.name());
         let ring = &self.ends[end];
@@ -291,8 +300,10 @@ impl Statement<'_> {
             .collect();
         let here = format!("window_{level}.");
         for (path, &id) in &registers {
-            if let Some(mask) = path.strip_prefix(&here).and_then(|name| window.register(name)) {
-                simulator.set(id, Value::Form(form(mask)));
+            if let Some(mask) =
+                path.strip_prefix(&here).and_then(|name| window.register(name, engine::keeps_sums(group)))
+            {
+                simulator.set(id, Value::Form(form(&mask)));
             }
         }
         let control = |s: &mut Simulator<_>, name: &str, number: u32| {

@@ -51,8 +51,10 @@ pub const KEPT: &str = "_kept";
 
 /// Inputs: `shift` (the columns move on) and what comes in: for words `word` and `write_..` for each place; for
 /// slices `row_u`, the outside places, `write_p` for slice p, and `fans` where they bring fans.
-/// Outputs: `next_..`, `middle_..`, `previous_..` and `fan_..`.
-pub fn build(parameters: Parameters, level: u32, producer: Producer) -> Result<Rc<Module>> {
+/// Outputs: `next_..`, `middle_..`, `previous_..` and `fan_..`. With `sums`, for a unit that works on whole columns of
+/// this level alone, `sum_..` is next + middle, from above to below, and `previous_row_..` the sum of the two columns
+/// before, which is what the vertex column needs of the previous one.
+pub fn build(parameters: Parameters, level: u32, producer: Producer, sums: bool) -> Result<Rc<Module>> {
     let m = Builder::new(&format!("level_window_{level}"));
     m.purpose(format!("One coordinate of three columns of level {level} and of what lies outside of them."));
     m.parameter("max_valence", parameters.max_valence);
@@ -77,6 +79,7 @@ pub fn build(parameters: Parameters, level: u32, producer: Producer) -> Result<R
         _ => m.output(name, m.rescale(&m.signal(kept << guard), parameters.word(level).fraction)),
     };
     let incoming = Incoming::new(&m, parameters, level, producer);
+    let (mut left_of, mut right_of): (Vec<(&str, Signal)>, Vec<(&str, Signal)>) = (vec![], vec![]);
 
     for place in places(parameters, level) {
         let is_fan = place.contains("_a_") || place.contains("_x_");
@@ -97,11 +100,27 @@ pub fn build(parameters: Parameters, level: u32, producer: Producer) -> Result<R
         }
         put(format!("next_{place}"), &next);
         put(format!("middle_{place}"), &middle);
-        if !place.ends_with("_left") {
+        // The outside face over a strip edge has the vertex right of its first end, and left of its second.
+        if let Some(end) = End::BOTH.iter().find(|end| sums && place == format!("{}_right", end.name())) {
+            right_of.push((end.name(), middle.clone()));
+        }
+        if let Some(end) = End::BOTH.iter().find(|end| sums && place == format!("{}_left", end.name())) {
+            left_of.push((end.name(), next.clone()));
+        }
+        if sums && place.starts_with("row_") {
+            let sum = m.wire(format!("added_{place}"), &middle + &next);
+            let previous = m.register(format!("previous_{place}{kept}"), sum.word());
+            moved(&previous, &sum);
+            put(format!("previous_{place}"), &previous);
+            put(format!("sum_{place}"), &sum);
+        } else if !place.ends_with("_left") {
             let previous = stage("previous", &place);
             moved(&previous, &middle);
             put(format!("previous_{place}"), &previous);
         }
+    }
+    for ((end, left), (_, right)) in left_of.iter().zip(&right_of) {
+        put(format!("sum_{end}"), &m.wire(format!("added_{end}"), right + left));
     }
     m.finish()
 }
@@ -188,6 +207,15 @@ impl<'a> Columns<'a> {
 
     pub fn outside(&self, column: usize, end: End, place: &str) -> Signal {
         self.placed.out(&format!("{}_{}_{place}", STAGES[column], end.name()))
+    }
+
+    /// The sum of the middle and the next row, or of those beyond the ends, where the window makes it.
+    pub fn sum(&self, row: i64) -> Option<Signal> {
+        match row {
+            -1 => Some(self.placed.out(&format!("sum_{}", End::Top.name()))),
+            _ if row == self.rows() as i64 => Some(self.placed.out(&format!("sum_{}", End::Bottom.name()))),
+            _ => (0..self.rows() as i64).contains(&row).then(|| self.placed.out(&format!("sum_row_{row}"))),
+        }
     }
 
     /// The end vertex of a column, `inward` rows into the strip.
