@@ -79,7 +79,9 @@ pub fn build(parameters: Parameters, level: u32, producer: Producer, sums: bool)
         _ => m.output(name, m.rescale(&m.signal(kept << guard), parameters.word(level).fraction)),
     };
     let incoming = Incoming::new(&m, parameters, level, producer);
-    let (mut left_of, mut right_of): (Vec<(&str, Signal)>, Vec<(&str, Signal)>) = (vec![], vec![]);
+    // The outside vertices that the outside face over the strip edge has, by end.
+    let mut left_of: Vec<(&str, Signal)> = vec![];
+    let mut right_of: Vec<(&str, Signal)> = vec![];
 
     for place in places(parameters, level) {
         let is_fan = place.contains("_a_") || place.contains("_x_");
