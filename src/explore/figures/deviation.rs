@@ -3,14 +3,13 @@
 //! ```text
 //!   at (1,0), (1/2,1/2) and (0,1) of every regular patch:   |computed - exact| / |exact|,   the largest
 //!
-//!   float32    the published algorithm in single precision: start-up and all additions
-//!   fixed      the reference of the core, its output included
+//!   fixed    the reference of the core, its output included
 //! ```
 //!
 //! The exact position is the mask of the box spline, in integers. Only the three columns that hold these points are
 //! stepped down, so that even level 10 takes no time.
 
-use super::counted::{Counter, Number, Vector};
+use super::counted::Vector;
 use crate::error::Result;
 use crate::model::loop_fd::LoopFd;
 use crate::model::loop_fd::columns::Columns;
@@ -60,34 +59,6 @@ fn relative(found: Vector<f64>, exact: [(f64, f64); 3]) -> f64 {
     let norm = square(exact.map(|(whole, rest)| whole + rest));
     // The origin has no relative error.
     if norm > 0.0 { (difference / norm).sqrt() } else { 0.0 }
-}
-
-/// The published algorithm in numbers of this type.
-///
-/// # Errors
-/// Those of the packets.
-pub fn floating<T: Number>(control: &ControlMesh, level: u32) -> Result<f64> {
-    let counter = Counter::default();
-    largest(control, level, |patch| {
-        let n = 1usize << patch.level;
-        let fraction = (-f64::from(4 * (level - patch.level))).exp2();
-        let points = patch.points.map(|p| p.map(|x| T::of(x as f64 * fraction)));
-        let scale = 1.0 / basis::denominator(patch.level) as f64;
-        let mut outer = counter.start_up(patch.level, &points).scaled(scale);
-        let mut most = 0.0f64;
-        let mut i = 0;
-        for (column, row) in places(n) {
-            while i < column {
-                counter.step(&mut outer);
-                i += 1;
-            }
-            let (mut differences, fourth) = (outer.column(), outer.row3[1]);
-            (0..row).for_each(|_| counter.step_column(&mut differences, fourth));
-            let found = differences[0].map(Into::into);
-            most = most.max(relative(found, exact(patch, level, (column, row))));
-        }
-        most
-    })
 }
 
 /// The reference of a core, its last rounding included.

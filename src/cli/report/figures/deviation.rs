@@ -4,9 +4,10 @@
 
 use super::{Files, control, csv, row};
 use crate::error::Result;
-use crate::explore::figures::deviation::{fixed, floating};
-use crate::fixed::{Precision, Reduced, Rounding};
+use crate::explore::figures::deviation::fixed;
+use crate::fixed::{Format, Precision, Reduced, Rounding};
 use crate::mesh::Mesh;
+use crate::model::float::{self, Half};
 use crate::model::loop_fd::LoopFd;
 use crate::report::plot::{Axis, Mark, Plot, Scale, Series};
 use crate::surface::control_mesh::ControlMesh;
@@ -16,10 +17,12 @@ use crate::surface::precision::{Dyadic, cheapest_progressive, cheapest_uniform};
 /// What is compared: its name in the legend, its format in full, its deviation.
 type Measured = (&'static str, String, f64);
 
-fn measure(control: &ControlMesh, width: u32, level: u32) -> Result<Vec<Measured>> {
-    let core = LoopFd::new(width, 0, level)?;
+fn measure(control: &ControlMesh, format: Format, level: u32) -> Result<Vec<Measured>> {
+    let core = LoopFd::new(format.width(), 0, level)?;
+    let unit = format.lsb();
     let mut found = vec![
-        ("float32", "single precision".to_string(), floating::<f32>(control, level)?),
+        ("float32", "single precision".to_string(), float::deviation::<f32>(control, level, unit).relative),
+        ("float16", "half precision".to_string(), float::deviation::<Half>(control, level, unit).relative),
         ("exact fixed point", "exact".to_string(), fixed(control, level, &core)?),
     ];
     let uniform = cheapest_uniform(level, Dyadic::HALF, Rounding::HalfUp);
@@ -39,13 +42,17 @@ pub fn files(meshes: &[Mesh], max_level: u32) -> Result<Files> {
     for mesh in meshes {
         let (control, format) = control(mesh)?;
         for level in 1..=max_level {
-            for (name, fractions, deviation) in measure(&control, format.width(), level)? {
+            for (name, fractions, deviation) in measure(&control, format, level)? {
                 let (at, width) = (level.to_string(), format.to_string());
                 rows.push(row([&mesh.name, &at, &width, name, &fractions, &format!("{deviation:.4e}")]));
                 let place = worst.iter().position(|(known, _)| *known == name).unwrap_or_else(|| {
                     worst.push((name, vec![]));
                     worst.len() - 1
                 });
+                // Half precision overflows where the differences of high order are large.
+                if !deviation.is_finite() {
+                    continue;
+                }
                 // The largest over the meshes.
                 let points = &mut worst[place].1;
                 match points.iter_mut().find(|(at, _)| *at == f64::from(level)) {
