@@ -15,17 +15,11 @@ use std::ops::{Add, Mul, Sub};
 use crate::surface::arithmetic::Arithmetic;
 use crate::surface::loop_masks::{limit_weight, vertex_weight};
 
-/// `f32` or `f64`.
+/// `f64`, and whatever else a patch is to be computed in.
 pub trait Number:
     Copy + Default + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Into<f64>
 {
     fn of(number: f64) -> Self;
-}
-
-impl Number for f32 {
-    fn of(number: f64) -> Self {
-        number as f32
-    }
 }
 
 impl Number for f64 {
