@@ -152,3 +152,15 @@ fn the_blob_has_valences_three_to_nine_and_neighbours_of_valence_three() {
     assert!((3..=9).all(|d| valence.contains(&d)));
     assert!(edges.iter().any(|&(a, b)| valence[a as usize] == 3 && valence[b as usize] == 3));
 }
+
+#[test]
+fn a_valence_above_the_maximum_names_the_vertex_and_the_option() {
+    let output = Command::new(env!("CARGO_BIN_EXE_subdiv-rtl"))
+        .args(["simulate", "--shape", "blob-quads", "--scheme", "catmull-clark", "--max-valence", "8"])
+        .output()
+        .expect("the program starts");
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(3), "{errors}");
+    let named = errors.contains("vertex") && errors.contains("has valence 9");
+    assert!(named && errors.contains("--max-valence"), "{errors}");
+}

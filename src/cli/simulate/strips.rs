@@ -35,6 +35,7 @@ struct Found<'a> {
     bench: &'a StripBench,
     drawn: &'a QuadAssembly<'a>,
     oracle: &'a QuadOracle,
+    target: Target,
     /// Nothing where vertices are missing.
     error: Option<ErrorLsb>,
     bound: f64,
@@ -64,6 +65,18 @@ pub fn run(settings: &Settings) -> Result<()> {
     let more = rings.width().saturating_sub(wanted.width());
     let coordinates = Format { integer: wanted.integer + more, ..wanted };
     let max_valence = settings.max_valence.unwrap_or(rings.largest_valence().max(4) as u32);
+    let topology = quads.topology();
+    let above = |v: &u32| topology.valence(*v) > max_valence;
+    if let Some(v) = (0..topology.vertex_count()).find(above) {
+        // A step that makes quads of other polygons puts new vertices behind those of the file.
+        let (number, place) = match (v as usize) < mesh.positions.len() {
+            true => (mesh.vertex_number(v), mesh.vertex_place(v)),
+            false => (v, mesh.place().to_string()),
+        };
+        let valence = topology.valence(v);
+        let what = format!("vertex {number} has valence {valence}, more than the core's {max_valence}");
+        return Err(Error::input(what).at(place).help("raise --max-valence (up to 16)"));
+    }
     let plain = Parameters {
         output_fraction: settings.output_fraction.unwrap_or(coordinates.fraction),
         precision: settings.guard.map_or(Precision::Exact, Precision::Guard),
@@ -103,6 +116,7 @@ pub fn run(settings: &Settings) -> Result<()> {
         bench: &bench,
         drawn: &drawn,
         oracle: &oracle,
+        target,
         error,
         bound: error_bound_lsb(&accuracy),
         outcomes: &outcomes,
@@ -141,7 +155,7 @@ fn write(found: &Found, positions: Vec<[i64; 3]>) -> Result<()> {
         mesh::write(path, &FineMesh { format, positions: positions.clone(), faces })?;
     }
     if let Some(picture) = &settings.picture {
-        let target = Target::Refined;
+        let target = found.target;
         let extra = reference_parameters(p).extra_fraction;
         let error = |vertex: usize| found.oracle.vertex_error(vertex, positions[vertex], target, extra);
         let drawn = Drawn {
@@ -186,6 +200,9 @@ fn object(found: &Found) -> serde_json::Value {
         "level": found.settings.level,
         "max_valence": p.max_valence,
         "precision": reference_parameters(p).numbers.to_string(),
+        "rounding": p.rounding.to_string(),
+        "schedule": p.schedule.to_string(),
+        "positions": if p.limit { "limit" } else { "refined" },
         "strips": {
             "count": statistics.strips,
             "mean_length": statistics.mean_length(),
@@ -222,6 +239,7 @@ fn text(found: &Found, right: bool) -> String {
     let numbers = reference_parameters(p).numbers;
     let core = format!("cc-strip of level {}, valences up to {}, {numbers}", p.levels, p.max_valence);
     facts.row(["core", &core]);
+    facts.row(["vertices", if p.limit { "points of the limit surface" } else { "refined control points" }]);
     let strips = format!(
         "{} of {:.1} quads on average, {:.2} words sent for each vertex",
         statistics.strips,

@@ -113,7 +113,8 @@ impl Parameters {
         if let Some(finish) = self.finish() {
             finish.check()?;
         }
-        let widest = self.word(self.levels).width() + 6 + self.table_bits + 12;
+        // The weights of a ring of 16 add up to 224 and more, and one bit is for a rounded limit.
+        let widest = self.word(self.levels).width() + self.table_bits + 9;
         if widest > Range::WIDEST {
             let help = "choose guard bits (--guard 4), a narrower table or fewer levels";
             return refuse(format!("products of {widest} bits"), help);
