@@ -16,7 +16,6 @@ use std::rc::Rc;
 
 use super::Parameters;
 use super::fan::{End, fan_names};
-use super::finish::{Kind, Normals};
 use crate::error::Result;
 use crate::hdl::{Builder, Module, Placed, Signal, Word};
 
@@ -64,8 +63,8 @@ pub fn build(parameters: Parameters, level: u32, producer: Producer, sums: bool)
     let begin = m.input("shift", Word::bit());
     let guard = (parameters.word(level).fraction - word.fraction) as u32;
     let kept = if guard == 0 { "" } else { KEPT };
-    // The tangents of a vertex weigh what its fan has not with zero: a number it must be, from reset on.
-    let weighed = matches!(parameters.normals, Some(Normals { kind: Kind::Limit, .. }));
+    // A normal weighs what the fan of its vertex has not with zero: a number it must be, from reset on.
+    let weighed = parameters.normals.is_some();
     let stage = |stage: &str, place: &str| {
         let name = format!("{stage}_{place}{kept}");
         match weighed && (place.contains("_a_") || place.contains("_x_")) {
