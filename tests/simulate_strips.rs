@@ -77,6 +77,16 @@ fn every_quad_mesh_at_every_level_of_one_core() {
     }
 }
 
+/// Points of the limit surface, against those of the oracle.
+#[test]
+fn every_quad_mesh_on_the_limit_surface() {
+    for source in sources() {
+        for level in 1..=5 {
+            check(&source, level, &["--limit"]);
+        }
+    }
+}
+
 /// A core of its own for every level, in Icarus: the meshes by turns, so that two tests share the work.
 fn in_icarus(turn: usize) {
     if !have(&[ICARUS]) {
