@@ -14,7 +14,7 @@ use std::collections::BTreeMap;
 
 use super::Parameters;
 use super::engine;
-use super::fan::{End, fan_names, kappa64};
+use super::fan::{End, fan_names};
 use super::schedule::Group;
 use super::window::{KEPT, STAGES};
 use crate::error::{Error, Kind, Result};
@@ -270,7 +270,8 @@ fn classical(centre: &Mask, neighbours: &[&Mask], diagonals: &[&Mask]) -> Mask {
 fn replacement(centre: &Mask, neighbours: &[&Mask], diagonals: &[&Mask], bits: u32) -> Mask {
     let d = neighbours.len() as i128;
     let rule = classical(centre, neighbours, diagonals);
-    let kappa = kappa64(d as u32, bits);
+    // The nearest integer to 2^bits * 64 / (4 d^2), from the definition and not from the core's table.
+    let kappa = ((32i128 << bits) + d * d).div_euclid(2 * d * d);
     total(&[(kappa, &rule), ((64i128 << bits) - kappa * 4 * d * d, centre)])
 }
 
