@@ -124,6 +124,11 @@ pub struct LoopFd {
     #[arg(long, value_name = "COUNT")]
     pub registers: Option<Registers>,
 
+    /// Emit wide adders in chunks of this many bits, each a clock behind the one below: the carry no longer limits
+    /// the clock
+    #[arg(long, value_name = "BITS", value_parser = clap::value_parser!(u32).range(4..=128))]
+    pub chunk: Option<u32>,
+
     #[command(flatten)]
     pub numbers: Numbers,
 
@@ -164,6 +169,7 @@ where core.toml has any of these lines:
   fraction = 17                # or fractions = \"8,12,14,17,18\"
   rounding = \"half-up\"
   saturate = false
+  chunk = 14
   proof = true
   output = \"rtl/loop-fd\"     # from the folder of the configuration";
 
@@ -183,6 +189,10 @@ pub fn run(args: &Args) -> Result<()> {
             )?
             .with_min_level(settings.min_level)?
             .with_precision(settings.precision)?;
+            let parameters = match settings.chunk {
+                Some(chunk) => parameters.with_chunk(chunk)?,
+                None => parameters,
+            };
             let _shown = working(settings.proof);
             (package::loop_fd::package(parameters, settings.proof)?, settings.folder, settings.force)
         }
@@ -210,6 +220,7 @@ pub struct Settings {
     pub min_level: u32,
     pub registers: Registers,
     pub precision: Precision,
+    pub chunk: Option<u32>,
     /// Whether to prove the core before it is written.
     pub proof: bool,
     /// Whether to write into a folder that holds other files.
@@ -223,7 +234,7 @@ impl LoopFd {
     /// # Errors
     /// Those of the configuration file.
     pub fn settings(&self) -> Result<Settings> {
-        const KEYS: [&str; 11] = [
+        const KEYS: [&str; 12] = [
             "coordinates",
             "output-fraction",
             "max-level",
@@ -233,6 +244,7 @@ impl LoopFd {
             "fractions",
             "rounding",
             "saturate",
+            "chunk",
             "proof",
             "output",
         ];
@@ -268,6 +280,11 @@ impl LoopFd {
             min_level: or_file(self.min_level, file, whole("min-level", FINEST_LEVEL))?.unwrap_or(0),
             registers: or_file(self.registers, file, registers)?.unwrap_or_default(),
             precision: numbers.precision()?,
+            chunk: or_file(self.chunk, file, |file| {
+                file.whole("chunk", "4 to 128", |bits| {
+                    u32::try_from(bits).ok().filter(|b| (4..=128).contains(b))
+                })
+            })?,
             proof: or_file(proof, file, |file| file.truth("proof"))?.unwrap_or(true),
             force: self.force,
             folder: or_file(self.output.clone(), file, |file| file.path("output"))?

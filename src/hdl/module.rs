@@ -84,6 +84,8 @@ pub struct Module {
     /// What it is for, line by line: the head of the emitted file.
     pub purpose: Vec<String>,
     pub parameters: Vec<(String, String)>,
+    /// Whether synthesis is asked to leave it a module, so that its registers are not shared with other instances.
+    pub separate: bool,
     pub nodes: Vec<Node>,
     pub inputs: Vec<NodeId>,
     pub outputs: Vec<Output>,
