@@ -341,6 +341,7 @@ mod tests {
                 min_level,
                 registers,
                 precision,
+                chunk: None,
                 proof,
                 force,
                 folder

@@ -98,10 +98,13 @@ type Late = BTreeMap<String, u32>;
 /// Tries before a loop is given up.
 const MOST_ROUNDS: u32 = 64;
 
-/// A number as its chunks, lowest first, unsigned; chunk c comes c clocks after chunk 0.
+/// A number as its chunks, lowest first, unsigned; chunk c comes c clocks after chunk 0. What logic makes is one chunk
+/// of any width.
 #[derive(Clone)]
 struct Number {
     word: Word,
+    /// Bits of a chunk.
+    size: u32,
     chunks: Vec<Signal>,
 }
 
@@ -199,7 +202,7 @@ impl Skew<'_> {
         Ok(match &node.cell {
             Cell::Constant(value) => {
                 let chunk = |c| self.constant_bits(*value, c * self.chunk, self.size(word, c));
-                Number { word, chunks: (0..self.count(word)).map(chunk).collect() }
+                Number { word, size: self.chunk, chunks: (0..self.count(word)).map(chunk).collect() }
             }
             Cell::Sum { terms, constant } => self.sum(terms, *constant, word, numbers, module)?,
             Cell::ShiftRight { of: id, amount, .. } => self.cut(of(*id)?, i64::from(*amount), word),
@@ -213,12 +216,13 @@ impl Skew<'_> {
             }
             Cell::Select { condition, on_true, on_false } => {
                 let condition = &of(*condition)?.chunks[0];
-                let [yes, no] = [self.cut(of(*on_true)?, 0, word), self.cut(of(*on_false)?, 0, word)];
+                let [yes, no] = [*on_true, *on_false].map(|id| Ok(self.chunked(&self.cut(of(id)?, 0, word))));
+                let [yes, no]: [Number; 2] = [yes?, no?];
                 let start =
                     [condition.time(), yes.time(), no.time()].into_iter().flatten().max().unwrap_or(0);
                 let chunks = yes.chunks.iter().zip(&no.chunks).zip(start..);
                 let chunks = chunks.map(|((yes, no), time)| m.select(&m.at_time(condition, time), yes, no));
-                self.settled(word, chunks.collect())
+                self.settled(word, self.chunk, chunks.collect())
             }
             Cell::Register { next: Some(next), reset, .. } => {
                 let next = self.cut(of(*next)?, 0, word);
@@ -228,12 +232,12 @@ impl Skew<'_> {
                     match reset {
                         None => m.pipe(name, chunk),
                         Some(reset) => {
-                            let bits = (reset >> (c * self.chunk)) & ((1 << chunk.width()) - 1);
+                            let bits = (reset >> (c * next.size)) & ((1 << chunk.width()) - 1);
                             m.pipe_reset(name, chunk, bits)
                         }
                     }
                 });
-                self.settled(word, chunks.collect())
+                self.settled(word, next.size, chunks.collect())
             }
             Cell::MemoryRead { .. } | Cell::Wire { .. } | Cell::Register { .. } => {
                 let what = module.describe(id);
@@ -250,7 +254,9 @@ impl Skew<'_> {
                 let time = m.align(&mut signals);
                 let mut next = signals.iter();
                 cell.visit_mut(|id| *id = next.next().map_or(*id, |signal| signal.id));
-                self.split(&m.add(cell, word, time), false)
+                let made = m.add(cell, word, time);
+                let bits = if word.is_signed() { m.slice(&made, 0, word.width()) } else { made };
+                Number { word, size: word.width(), chunks: vec![bits] }
             }
         })
     }
@@ -309,7 +315,7 @@ impl Skew<'_> {
                 carry = Some(m.pipe("carry", m.slice(&sum, low + size, 1)));
             }
         }
-        self.settled(word, chunks)
+        self.settled(word, self.chunk, chunks)
     }
 
     /// Bits of an operand that add to chunk c of a sum.
@@ -329,7 +335,9 @@ impl Skew<'_> {
     /// The registers of the chunks, not yet given a value.
     fn state(&self, node: &Node, offset: u32, prefix: &str) -> Number {
         let (word, count) = (node.word, self.count(node.word));
-        let Cell::Register { reset, .. } = node.cell else { return Number { word, chunks: vec![] } };
+        let Cell::Register { reset, .. } = node.cell else {
+            return Number { word, size: self.chunk, chunks: vec![] };
+        };
         let name = format!("{prefix}{}", node.name.as_deref().unwrap_or("state"));
         let late = self.late.borrow().get(&name).copied().unwrap_or(0);
         let chunk = |c: u32| {
@@ -343,7 +351,7 @@ impl Skew<'_> {
             self.m.0.borrow_mut().module.nodes[register.id.index()].place = node.place;
             register
         };
-        Number { word, chunks: (0..count).map(chunk).collect() }
+        Number { word, size: self.chunk, chunks: (0..count).map(chunk).collect() }
     }
 
     /// Gives the registers what they take.
@@ -356,7 +364,7 @@ impl Skew<'_> {
         prefix: &str,
     ) -> Result<()> {
         let Cell::Register { next: Some(next), enable, .. } = &node.cell else { return Ok(()) };
-        let next = self.cut(operand(module, numbers, *next)?, 0, node.word);
+        let next = self.chunked(&self.cut(operand(module, numbers, *next)?, 0, node.word));
         let enable = enable.map(|id| operand(module, numbers, id).cloned()).transpose()?;
         let wanted = next.time().max(enable.as_ref().and_then(Number::time)).unwrap_or(0);
         let behind = wanted.saturating_sub(state.time().unwrap_or(0));
@@ -407,13 +415,13 @@ impl Skew<'_> {
 
     /// Bits `low .. low + size` of a number, zeros below it and its sign or zeros above.
     fn bits(&self, number: &Number, low: i64, size: u32) -> Signal {
-        let (m, width) = (self.m, i64::from(number.word.width()));
+        let (m, width, size_of) = (self.m, i64::from(number.word.width()), i64::from(number.size));
         let (high, mut at, mut parts) = (low + i64::from(size), low, vec![]);
         while at < high {
             let end = if at < 0 {
                 high.min(0)
             } else if at < width {
-                high.min(width).min((at / i64::from(self.chunk) + 1) * i64::from(self.chunk))
+                high.min(width).min((at / size_of + 1) * size_of)
             } else {
                 high
             };
@@ -421,8 +429,8 @@ impl Skew<'_> {
             if at < 0 || (at >= width && !number.word.is_signed()) {
                 parts.push(m.constant(0, Word::unsigned(count)));
             } else if at < width {
-                let chunk = &number.chunks[(at / i64::from(self.chunk)) as usize];
-                let inside = (at % i64::from(self.chunk)) as u32;
+                let chunk = &number.chunks[(at / size_of) as usize];
+                let inside = (at % size_of) as u32;
                 let whole = inside == 0 && count == chunk.width();
                 parts.push(if whole { chunk.clone() } else { m.slice(chunk, inside, count) });
             } else if let Some(top) = number.chunks.last() {
@@ -439,16 +447,28 @@ impl Skew<'_> {
 
     /// The number shifted right by `low` bits, in another word.
     fn cut(&self, number: &Number, low: i64, word: Word) -> Number {
+        if number.size > self.chunk && number.chunks.len() == 1 {
+            return Number { word, size: word.width(), chunks: vec![self.bits(number, low, word.width())] };
+        }
         let chunk = |c| self.bits(number, low + i64::from(c * self.chunk), self.size(word, c));
-        self.settled(word, (0..self.count(word)).map(chunk).collect())
+        self.settled(word, self.chunk, (0..self.count(word)).map(chunk).collect())
+    }
+
+    /// The number in chunks of the usual size.
+    fn chunked(&self, number: &Number) -> Number {
+        if number.size <= self.chunk {
+            return number.clone();
+        }
+        let chunk = |c| self.bits(number, i64::from(c * self.chunk), self.size(number.word, c));
+        self.settled(number.word, self.chunk, (0..self.count(number.word)).map(chunk).collect())
     }
 
     /// Chunks brought to their clocks: each one clock after the one below.
-    fn settled(&self, word: Word, chunks: Vec<Signal>) -> Number {
-        let number = Number { word, chunks };
+    fn settled(&self, word: Word, size: u32, chunks: Vec<Signal>) -> Number {
+        let number = Number { word, size, chunks };
         let Some(start) = number.time() else { return number };
         let chunks = number.chunks.iter().zip(start..).map(|(chunk, time)| self.m.at_time(chunk, time));
-        Number { word, chunks: chunks.collect() }
+        Number { word, size, chunks: chunks.collect() }
     }
 
     fn restart(&self, number: Number, time: u32) -> Number {
@@ -469,7 +489,7 @@ impl Skew<'_> {
                 _ => m.delay(&bits, c),
             }
         };
-        Number { word, chunks: (0..count).map(chunk).collect() }
+        Number { word, size: self.chunk, chunks: (0..count).map(chunk).collect() }
     }
 
     /// All bits of a number at one time: that of its highest chunk.

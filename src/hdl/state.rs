@@ -175,7 +175,11 @@ impl Builder {
             };
             // The constant goes in with the last adder but one operand, where it is free of its own.
             let last = open.is_empty();
+            // Two operands to be subtracted are added, and their sum is subtracted later.
+            let negative = |sum: &Sum| sum.terms.iter().all(|(coefficient, _)| *coefficient < 0);
+            let later = !last && negative(&a) && b.as_ref().is_some_and(negative);
             let mut sum = match b {
+                Some(b) if later => -a - b,
                 Some(b) => a + b,
                 None => a,
             };
@@ -187,7 +191,8 @@ impl Builder {
                 return part;
             }
             number += 1;
-            open.push((Sum::from(&part), part.time().unwrap_or(0)));
+            let sum = if later { -&part } else { Sum::from(&part) };
+            open.push((sum, part.time().unwrap_or(0)));
         }
     }
 

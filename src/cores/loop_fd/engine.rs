@@ -18,7 +18,7 @@ use std::collections::BTreeMap;
 use std::rc::Rc;
 
 use super::{Parameters, RegisterForm, vertex, words};
-use crate::cores::rounder;
+use crate::cores::rounder::{self, Division};
 use crate::error::Result;
 use crate::fixed::{Precision, Rounding};
 use crate::hdl::{Builder, Expr, Module, Signal, Sum, Word};
@@ -124,6 +124,7 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
             parameters.shift(),
             parameters.output_range(),
             parameters.output_fraction,
+            if parameters.chunk.is_some() { Division::Digits } else { Division::Reciprocal },
         )?,
         Precision::Reduced(reduced) => vertex::build(parameters, reduced)?,
     };
