@@ -188,11 +188,8 @@ pub fn run(args: &Args) -> Result<()> {
                 settings.registers.form(),
             )?
             .with_min_level(settings.min_level)?
-            .with_precision(settings.precision)?;
-            let parameters = match settings.chunk {
-                Some(chunk) => parameters.with_chunk(chunk)?,
-                None => parameters,
-            };
+            .with_precision(settings.precision)?
+            .with_chunk(settings.chunk)?;
             let _shown = working(settings.proof);
             (package::loop_fd::package(parameters, settings.proof)?, settings.folder, settings.force)
         }

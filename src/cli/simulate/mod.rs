@@ -106,6 +106,10 @@ pub struct Core {
     #[arg(long, value_name = "COUNT", value_enum, default_value_t)]
     pub registers: Registers,
 
+    /// Emit wide adders in chunks of this many bits, each a clock behind the one below (Loop)
+    #[arg(long, value_name = "BITS", value_parser = clap::value_parser!(u32).range(4..=128))]
+    pub chunk: Option<u32>,
+
     #[command(flatten)]
     pub numbers: Numbers,
 }
@@ -231,6 +235,8 @@ pub struct Settings {
     pub max_level: u32,
     pub min_level: u32,
     pub registers: Registers,
+    /// Bits of a chunk with skewed carry; nothing: whole words.
+    pub chunk: Option<u32>,
     pub precision: Precision,
     /// Guard bits of the strip core; nothing: exact.
     pub guard: Option<u32>,
@@ -343,6 +349,7 @@ impl Args {
             max_level,
             min_level: self.core.min_level,
             registers: self.core.registers,
+            chunk: self.core.chunk,
             precision,
             guard: self.core.guard,
             strip_levels: self.core.max_level,

@@ -193,16 +193,17 @@ impl Parameters {
         Ok(Parameters { min_level, ..self })
     }
 
-    /// The same core with its wide numbers in chunks of so many bits.
+    /// The same core with its wide numbers in chunks of so many bits, or whole.
     ///
     /// # Errors
     /// Chunks of fewer than 4 bits.
-    pub fn with_chunk(self, chunk: u32) -> Result<Self> {
-        if chunk < 4 {
-            return Err(Error::usage(format!("chunks of {chunk} bits"))
-                .help("choose 4 bits or more; 14 close the clock of an ECP5"));
+    pub fn with_chunk(self, chunk: impl Into<Option<u32>>) -> Result<Self> {
+        let chunk = chunk.into();
+        if let Some(bits) = chunk.filter(|&bits| bits < 4) {
+            return Err(Error::usage(format!("chunks of {bits} bits"))
+                .help("choose 4 bits or more; with 14 to 16 the carry does not limit the clock of an ECP5"));
         }
-        Ok(Parameters { chunk: Some(chunk), ..self })
+        Ok(Parameters { chunk, ..self })
     }
 
     /// Whether all patches are of one level.
