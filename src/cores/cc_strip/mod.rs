@@ -20,6 +20,8 @@
 //! **Numbers**: exact, 6 fraction bits more on every level; or `guard` fraction bits on every level and
 //! one rounding for every vertex, taken from unrounded sums. No rule divides by three.
 
+mod buffer;
+pub mod buffered;
 mod columns;
 mod control;
 mod engine;
@@ -34,6 +36,8 @@ mod normals;
 mod output;
 mod parameters;
 pub mod proof;
+mod registered;
+mod row_filter;
 pub mod schedule;
 mod tangents;
 mod top;

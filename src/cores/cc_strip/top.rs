@@ -126,6 +126,9 @@ fn incoming(
         for place in incoming_places(parameters, 0, Producer::Words) {
             ports.push((format!("in_write_{place}"), loader.out(&format!("write_{place}"))));
         }
+        if parameters.registered {
+            ports.iter_mut().for_each(|(_, signal)| *signal = m.delay(signal, 1));
+        }
         return ports;
     };
     let level = group.finest() + 1;

@@ -193,8 +193,9 @@ impl Body<'_> {
         }
         for (memory, _) in self.live_memories() {
             let (word, last) = (memory.word, memory.depth - 1);
+            let style = if memory.distributed { "(* ram_style = \"distributed\" *) " } else { "" };
             lines.push(format!(
-                "reg  {}{} [0:{last}]; // {} words of {word}",
+                "{style}reg  {}{} [0:{last}]; // {} words of {word}",
                 shape(word),
                 memory.name,
                 memory.depth
