@@ -92,6 +92,8 @@ pub struct Module {
     pub buses: Vec<Bus>,
     pub memories: Vec<Memory>,
     pub instances: Vec<Instance>,
+    /// Registers that synthesis is not to merge with others of the same value.
+    pub copies: std::collections::BTreeSet<NodeId>,
 }
 
 impl Module {

@@ -135,6 +135,15 @@ impl Builder {
         register
     }
 
+    /// A pipeline stage of its own, where one register could not reach all that read it within a clock: synthesis
+    /// is told not to merge it with others that take the same value.
+    #[track_caller]
+    pub fn copy(&self, name: impl Into<String>, value: impl Into<Expr>) -> Signal {
+        let copy = self.pipe(name, value);
+        self.0.borrow_mut().module.copies.insert(copy.id);
+        copy
+    }
+
     /// A pipeline stage that takes `reset` while the reset is active.
     #[track_caller]
     pub fn pipe_reset(&self, name: impl Into<String>, value: impl Into<Expr>, reset: i128) -> Signal {

@@ -70,6 +70,11 @@ pub struct Replaced {
 }
 
 impl Replaced {
+    /// The clock of the last of them.
+    pub fn time(&self) -> Option<u32> {
+        [&self.vertex, &self.left, &self.right].into_iter().chain(&self.fan).filter_map(Signal::time).max()
+    }
+
     pub fn each(&self, of: impl Fn(&Signal) -> Signal) -> Replaced {
         Replaced {
             vertex: of(&self.vertex),

@@ -16,7 +16,10 @@ use super::fan::{self, End, Replaced};
 use super::row_filter;
 use super::view::EndView;
 use crate::error::Result;
-use crate::hdl::Signal;
+use crate::hdl::{Signal, Word};
+
+/// Rows whose RAMs share a register of the address.
+const ROWS_OF_A_COUNTER: usize = 8;
 
 impl Unit<'_> {
     /// The column that leaves, all of one clock.
@@ -53,19 +56,28 @@ impl Unit<'_> {
             ),
         };
 
+        // The rows wait for the fan unit.
+        let names: Vec<String> = (0..=2 * cells)
+            .map(|u| format!("row_{u}"))
+            .chain(["face_above".into(), "face_below".into()])
+            .collect();
+        let made: Vec<Signal> = names.iter().map(|name| rows.out(name)).collect();
+        let ready = [&top, &bottom].into_iter().filter_map(Replaced::time).max().unwrap_or(0);
+        let mut rows = self.wait(&names, &made, ready);
+        let [above, below] = [rows.remove(names.len() - 2), rows.remove(names.len() - 2)];
+
         let first_slice = equals(m, self.slice, 0);
         let mut out = vec![];
-        for u in 0..=2 * cells {
-            let row = rows.out(&format!("row_{u}"));
+        for (u, row) in (0..).zip(&rows) {
             let name = format!("column_row_{u}");
             out.push(match (u, &first_slice) {
                 (0, Some(first)) => {
                     let replaced = first & &!face;
-                    m.pipe(name, m.select(&replaced, &top.vertex, &row))
+                    m.pipe(name, m.select(&replaced, &top.vertex, row))
                 }
-                (0, None) => m.pipe(name, m.select(face, &row, &top.vertex)),
-                _ if u == 2 * cells => m.pipe(name, m.select(face, &row, &bottom.vertex)),
-                _ => row,
+                (0, None) => m.pipe(name, m.select(face, row, &top.vertex)),
+                _ if u == 2 * cells => m.pipe(name, m.select(face, row, &bottom.vertex)),
+                _ => m.pipe(name, row),
             });
         }
         let outside = |end: Replaced, name: &str, point: Signal| {
@@ -75,12 +87,40 @@ impl Unit<'_> {
             // A face column brings no fan.
             [vec![beside("left", &end.left), beside("right", &end.right)], end.fan].concat()
         };
-        let outside =
-            [outside(top, "top", rows.out("face_above")), outside(bottom, "bottom", rows.out("face_below"))];
+        let outside = [outside(top, "top", above), outside(bottom, "bottom", below)];
         let outside = outside.concat();
         let time = out.iter().chain(&outside).filter_map(Signal::time).max().unwrap_or(0);
         let together = |signals: Vec<Signal>| signals.iter().map(|s| m.at_time(s, time)).collect();
         Ok(Outgoing { rows: together(out), outside: together(outside) })
+    }
+
+    /// The signals at a later clock: where that is long, through RAMs made of lookup tables that a counter goes through.
+    fn wait(&self, names: &[String], signals: &[Signal], until: u32) -> Vec<Signal> {
+        let m = self.m;
+        let from = signals.iter().filter_map(Signal::time).max().unwrap_or(0);
+        let clocks = until.saturating_sub(from);
+        if !(4..=17).contains(&clocks) {
+            return signals.iter().map(|signal| m.at_time(signal, until)).collect();
+        }
+        // A word is read where the next one is written, and stands in the register behind a clock later.
+        let words = clocks - 1;
+        let word = Word::range(0, i128::from(words) - 1);
+        let slot = m.register_reset("slot", word, 0);
+        m.on(&m.is(&slot, i128::from(words) - 1), &slot, m.constant(0, word));
+        m.always(&slot, m.wrap(&slot + 1, word));
+        let mut address = slot.clone();
+        let mut late = vec![];
+        for (nth, (name, signal)) in names.iter().zip(signals).enumerate() {
+            if nth % ROWS_OF_A_COUNTER == 0 {
+                address = m.copy(format!("slot_{nth}"), &slot);
+                address = m.restart(&address, from);
+            }
+            let ram = m.memory(&format!("late_{name}"), words, signal.word(), vec![]).distributed();
+            ram.write(&m.bit(true), &address, &m.at_time(signal, from));
+            let read = ram.read(&format!("late_{name}_read"), &address, None);
+            late.push(m.restart(&read, until));
+        }
+        late
     }
 
     fn either(&self, at_bottom: &Signal, top: &EndView, bottom: &EndView) -> EndView {

@@ -83,6 +83,10 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
         let place = |axis: usize| -> Placed {
             let mut ports = incoming(&m, parameters, before, &control, &loader, &input.lanes[axis], axis);
             ports.extend(steering(group, &control));
+            if parameters.registered {
+                let data = before.map_or(1, |(_, stage)| stage.columns[axis].rows[0].time().unwrap_or(1));
+                own_copies(&m, data, AXES[axis], &mut ports);
+            }
             let inputs: Vec<(&str, &Signal)> = ports.iter().map(|(n, s)| (n.as_str(), s)).collect();
             m.instance(&format!("engine_{index}_{}", AXES[axis]), &unit, &inputs)
         };
@@ -126,9 +130,6 @@ fn incoming(
         for place in incoming_places(parameters, 0, Producer::Words) {
             ports.push((format!("in_write_{place}"), loader.out(&format!("write_{place}"))));
         }
-        if parameters.registered {
-            ports.iter_mut().for_each(|(_, signal)| *signal = m.delay(signal, 1));
-        }
         return ports;
     };
     let level = group.finest() + 1;
@@ -152,6 +153,15 @@ fn incoming(
         ports.push((format!("in_write_{p}"), here.map_or(write.clone(), |here| &write & &here)));
     }
     ports
+}
+
+/// Brings the ports of an engine to the clock of its data, the last one by a register that no other engine reads.
+fn own_copies(m: &Builder, data: u32, axis: &str, ports: &mut [(String, Signal)]) {
+    for (port, signal) in ports {
+        if signal.time().is_some_and(|time| time < data) {
+            *signal = m.copy(format!("{port}_{data}_{axis}"), &m.at_time(signal, data - 1));
+        }
+    }
 }
 
 /// What steers the engine of a group beside the column that comes in.
