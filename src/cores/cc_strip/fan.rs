@@ -43,7 +43,7 @@ pub fn fan_names(parameters: Parameters) -> Vec<String> {
 }
 
 /// Names of what a fan unit sees, in the order of [`signals`].
-fn names(parameters: Parameters) -> Vec<String> {
+pub(super) fn names(parameters: Parameters) -> Vec<String> {
     let columns = ["outer", "inner"].iter().flat_map(|row| (0..3).map(move |c| format!("{row}_{c}")));
     let ring = ["corner_left", "corner_right", "a_1"].map(String::from);
     columns.chain(ring).chain(fan_names(parameters)).collect()
@@ -118,23 +118,11 @@ pub fn build(parameters: Parameters, level: u32) -> Result<Rc<Module>> {
         let fine = m.rescale(sum, word.fraction + 6 + more as i32);
         m.round(&fine, parameters.drop() + more, parameters.rounding)
     };
-    // In a registered core a register stands behind every adder and every choice.
-    let total = |name: String, sum: Sum| match parameters.registered {
-        true => m.pipelined(&name, sum),
-        false => m.wire(name, sum),
-    };
-    let chosen = |name: String, value: &Signal| match parameters.registered {
-        true => m.pipe(name, value),
-        false => m.wire(name, value),
-    };
-    let put = |name: String, sum: &Signal| m.output(name.clone(), chosen(name, &round(sum, 0)));
+    let put = |name: String, sum: &Signal| m.output(name.clone(), m.wire(name, round(sum, 0)));
 
     // The ring over the outside: a_0 is left, a_{d-2} is right; x_i lies between a_{i-1} and a_i.
-    let mut parts = vec![];
-    let mut spokes = 6 * left + 6 * right + 6 * inner + inner_left + inner_right + before - 21 * centre;
-    if !parameters.registered {
-        spokes = Sum::from(m.wire("spokes_0", spokes));
-    }
+    let mut spokes = m
+        .wire("spokes_0", 6 * left + 6 * right + 6 * inner + inner_left + inner_right + before - 21 * centre);
     let mut neighbours = vec![];
     for i in 1..=a.len() {
         // The last face before the next column is the outside face of the strip.
@@ -143,51 +131,39 @@ pub fn build(parameters: Parameters, level: u32) -> Result<Rc<Module>> {
             (Some(a), Some(x)) => (m.select(&ends_here, right, *a), m.select(&ends_here, after, *x)),
             _ => (right.clone(), after.clone()),
         };
-        let next_x = chosen(format!("x_after_{i}"), &next_x);
-        let next_a = if parameters.registered { m.pipe(format!("a_after_{i}"), &next_a) } else { next_a };
+        let next_x = m.wire(format!("x_after_{i}"), &next_x);
         let (last_a, last_x) = if i == 1 { (left, before) } else { (a[i - 2], x[i - 2]) };
         let spoke = 4 * (6 * centre + 6 * a[i - 1] + last_a + last_x + &next_a + &next_x);
-        neighbours.push(total(format!("spoke_{i}"), spoke));
+        neighbours.push(m.wire(format!("spoke_{i}"), spoke));
         if i >= 2 {
             // The face between a_{i-1} and a_i: its point is the new diagonal.
-            let face = total(format!("face_{i}"), 16 * (centre + last_a + last_x + a[i - 1]));
+            let face = m.wire(format!("face_{i}"), 16 * (centre + last_a + last_x + a[i - 1]));
             put(format!("new_x_{i}"), &face);
             put(format!("new_a_{i}"), &neighbours[i - 1]);
         }
         let present = m.compare(Relation::LessOrEqual, m.constant(i as i128 + 3, valence.word()), &valence);
-        let more = 6 * a[i - 1] + &next_x - 7 * centre;
-        let more =
-            if parameters.registered { m.pipelined(&format!("more_{i}"), more) } else { m.signal(more) };
+        let more = m.signal(6 * a[i - 1] + &next_x - 7 * centre);
         let none = m.constant(0, Word { range: crate::fixed::Range::point(0), ..more.word() });
-        let more = m.select(&present, &more, &none);
-        match parameters.registered {
-            true => parts.push(m.pipe(format!("part_{i}"), &more)),
-            false => spokes = Sum::from(m.wire(format!("spokes_{i}"), spokes + &more)),
-        }
+        spokes = m.wire(format!("spokes_{i}"), &spokes + &m.select(&present, &more, &none));
     }
-    let spokes = parts.iter().fold(spokes, |sum, part| sum + part);
-    let replaced = match parameters.registered {
-        true => by_constants(&m, parameters, level, centre, &m.pipelined("spokes", spokes), &valence),
-        false => replacement(&m, parameters, level, centre, &m.signal(spokes), &valence),
-    };
-    m.output("vertex", chosen("vertex".into(), &round(&replaced, parameters.replacement_bits())));
+    let replaced = replacement(&m, parameters, level, centre, &spokes, &valence);
+    m.output("vertex", m.wire("vertex", round(&replaced, parameters.replacement_bits())));
 
     // With valence 3 there is no outside neighbour; the neighbouring columns use the edges to each other.
     let edge = |w: &Signal, around: [&Signal; 4]| -> Sum {
         let [a, b, c, d] = around;
         4 * (6 * centre + 6 * w + a + b + c + d)
     };
-    let left_of_three = total("edge_right".into(), edge(right, [inner, inner_right, after, left]));
-    let right_of_three = total("edge_left".into(), edge(left, [inner, inner_left, before, right]));
+    let left_of_three = m.wire("edge_right", edge(right, [inner, inner_right, after, left]));
+    let right_of_three = m.wire("edge_left", edge(left, [inner, inner_left, before, right]));
     let three = m.wire("is_three", m.is(&valence, 3));
     let mut last = neighbours[0].clone();
     for (i, spoke) in neighbours.iter().enumerate().skip(1) {
         let beyond = m.compare(Relation::LessOrEqual, m.constant(i as i128 + 4, valence.word()), &valence);
         last = m.select(&beyond, spoke, &last);
-        last = if parameters.registered { m.pipe(format!("last_of_{i}"), &last) } else { last };
     }
-    put("left".into(), &chosen("left_sum".into(), &m.select(&three, &left_of_three, &neighbours[0])));
-    put("right".into(), &chosen("right_sum".into(), &m.select(&three, &right_of_three, &last)));
+    put("left".into(), &m.wire("left_sum", m.select(&three, &left_of_three, &neighbours[0])));
+    put("right".into(), &m.wire("right_sum", m.select(&three, &right_of_three, &last)));
     m.finish()
 }
 
@@ -212,27 +188,6 @@ fn replacement(
     // A convex combination: it lies in the hull, whatever the interval of the product says.
     let hull = parameters.word(level).range * (64i128 << bits);
     m.claim("replacement", &point, Word { range: hull, ..point.word() }, None)
-}
-
-/// The same without a multiplier: the multiple for every valence, and a choice.
-fn by_constants(
-    m: &Builder,
-    parameters: Parameters,
-    level: u32,
-    centre: &Signal,
-    spokes: &Signal,
-    valence: &Signal,
-) -> Signal {
-    let bits = parameters.replacement_bits();
-    let multiple = |d: u32| m.pipelined(&format!("weighted_{d}"), kappa64(d, bits) * spokes);
-    let mut weighted = multiple(4);
-    for d in (3..=parameters.max_valence).filter(|d| *d != 4) {
-        let chosen = m.select(&m.is(valence, d.into()), multiple(d), &weighted);
-        weighted = m.pipe(format!("weighted_to_{d}"), &chosen);
-    }
-    let vertex = m.pipe("replaced", &weighted + (centre << (6 + bits)));
-    let hull = parameters.word(level).range * (64i128 << bits);
-    m.claim("replacement", &vertex, Word { range: hull, ..vertex.word() }, None)
 }
 
 /// 64 / (4 d^2) over 2^`bits`, rounded half up; exactly 2^bits for d = 4.

@@ -26,6 +26,7 @@ mod columns;
 mod control;
 mod engine;
 mod fan;
+mod fan_registered;
 pub mod finish;
 pub mod finish_proof;
 mod finishing;

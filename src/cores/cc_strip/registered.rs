@@ -13,6 +13,7 @@
 use super::columns::row_names;
 use super::engine::{Outgoing, Unit, equals};
 use super::fan::{self, End, Replaced};
+use super::fan_registered;
 use super::row_filter;
 use super::view::EndView;
 use crate::error::Result;
@@ -47,7 +48,7 @@ impl Unit<'_> {
         let at_bottom = last_slice.unwrap_or_else(|| face.clone());
         let [top, bottom] = [0, 1].map(|at| self.end(End::BOTH[at], valences[at].clone()));
         let view = self.either(&at_bottom, &top, &bottom);
-        let placed = fan::place(m, p, &fan::build(p, self.level())?, "fan", &view);
+        let placed = fan::place(m, p, &fan_registered::build(p, self.level())?, "fan", &view);
         let (top, bottom) = match self.sliced() {
             true => (placed.each(Signal::clone), placed),
             false => (
