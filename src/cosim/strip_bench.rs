@@ -149,7 +149,7 @@ pub fn protocol(core: &Module, parameters: Parameters) -> cc_strip_clocks::Core 
 
 /// The buffer of a registered core: its depth, and how far each level's data are behind their control.
 fn buffer(core: &Module) -> Option<cc_strip_clocks::Buffer> {
-    let placed = core.instances.iter().find(|instance| instance.name == "buffer")?;
+    let placed = core.instances.iter().find(|instance| instance.name == "flags_buffer")?;
     let delay = |level: usize| {
         let name = format!("{LEAVES}{level}");
         let flag = core.nodes.iter().find(|node| node.name.as_deref() == Some(&name));

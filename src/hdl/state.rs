@@ -139,9 +139,13 @@ impl Builder {
     /// is told not to merge it with others that take the same value.
     #[track_caller]
     pub fn copy(&self, name: impl Into<String>, value: impl Into<Expr>) -> Signal {
-        let copy = self.pipe(name, value);
-        self.0.borrow_mut().module.copies.insert(copy.id);
-        copy
+        self.unmerged(self.pipe(name, value))
+    }
+
+    /// The register, which synthesis is told not to merge with others.
+    pub fn unmerged(&self, register: Signal) -> Signal {
+        self.0.borrow_mut().module.copies.insert(register.id);
+        register
     }
 
     /// A pipeline stage that takes `reset` while the reset is active.

@@ -14,13 +14,13 @@ use super::output::{Offer, Output, Standing, Vertex};
 use crate::cores::loop_fd::AXES;
 use crate::error::Result;
 use crate::fixed::Rounding;
-use crate::hdl::{Signal, Word};
+use crate::hdl::{Placed, Signal, Word};
 
 /// The flag that goes with what leaves from a level, by its name; its clock is the delay of the data.
 pub const LEAVES: &str = "leaves_at_level_";
 
 /// Clocks from the last adder of a level into the buffer.
-pub const ROUNDING: u32 = 2;
+pub const ROUNDING: u32 = 3;
 
 /// Words of the buffer for data so many clocks behind their control: what is on its way, and some that wait.
 pub fn log_depth(delay: u32) -> u32 {
@@ -73,58 +73,62 @@ impl Output<'_> {
             })
             .collect();
         let index = |offer: &Offer| self.offers.iter().position(|o| std::ptr::eq(o.group, offer.group));
+        let sliced = self.offers.iter().any(|offer| offer.group.most_slices() > 1);
+        let log_depth = log_depth(delay + ROUNDING);
 
-        let mut into: Vec<(String, Signal)> = vec![];
+        // A FIFO for the flags and one for each row, all with a `push` of their own.
+        let push = m.delay_reset(&push, ROUNDING - 1, 0);
+        let fifo = |name: &str, lanes: &[(&str, Signal)]| -> Result<Placed> {
+            let shapes: Vec<(&str, Word)> =
+                lanes.iter().map(|(lane, signal)| (*lane, signal.word())).collect();
+            let kind = if lanes.len() < 3 { "flags" } else { ["row", "row_or_not"][lanes.len() - 3] };
+            let unit = buffer::row(&format!("{kind}_buffer"), log_depth, &shapes)?;
+            let mut inputs = vec![
+                ("push".to_string(), here(&m.unmerged(m.pipe_reset(format!("push_{name}"), &push, 0)))),
+                ("ready".into(), consumer.clone()),
+            ];
+            for (lane, signal) in lanes {
+                inputs.push((format!("in_{lane}"), here(&m.at_time(signal, ROUNDING))));
+            }
+            let inputs: Vec<(&str, &Signal)> = inputs.iter().map(|(n, s)| (n.as_str(), s)).collect();
+            Ok(m.instance(&format!("{name}_buffer"), &unit, &inputs))
+        };
+        let mut flags = vec![("strip_end", m.wire("ends_strip", &ending & &ends))];
+        flags.extend(sliced.then(|| ("column_end", ends.clone())));
+        let flags = fifo("flags", &flags)?;
+        let credits = m.instance(
+            "credits",
+            &buffer::credits(log_depth)?,
+            &[("issue", &issue), ("take", &flags.out("take"))],
+        );
         let mut vertices = vec![];
         for row in 0..lanes {
             let name = format!("row{row}");
-            let present = self.present(row, false, &ends, &ending);
-            let present = present.map(|present| (format!("{name}_present"), present));
-            into.extend(present.iter().cloned());
-            for (axis, letter) in AXES.iter().enumerate() {
+            let mut into: Vec<(&str, Signal)> = vec![];
+            for (axis, letter) in AXES.into_iter().enumerate() {
                 let aligned = self.aligned(row, |offer| columns[index(offer)?][axis].rows.get(row));
                 let aligned = m.pipe(format!("{name}_{letter}_aligned"), &aligned);
                 let drop = aligned.word().fraction - self.parameters.output_fraction as i32;
                 let rounded = m.round(&aligned, drop as u32, Rounding::HalfUp);
                 let rounded = m.wrap(&rounded, self.parameters.output_word());
-                into.push((format!("{name}_{letter}"), m.pipe(format!("{name}_{letter}_rounded"), &rounded)));
+                into.push((letter, m.pipe(format!("{name}_{letter}_rounded"), &rounded)));
             }
-            vertices.push((name, present.is_some()));
-        }
-        let sliced = self.offers.iter().any(|offer| offer.group.most_slices() > 1);
-        into.push(("strip_end".into(), m.wire("ends_strip", &ending & &ends)));
-        if sliced {
-            into.push(("column_end".into(), ends));
-        }
-        let push = m.delay_reset(&push, ROUNDING, 0);
-        let shapes: Vec<(String, Word)> =
-            into.iter().map(|(name, signal)| (name.clone(), signal.word())).collect();
-        let unit = buffer::build(log_depth(delay + ROUNDING), &shapes)?;
-        let lanes: Vec<(String, Signal)> = into
-            .iter()
-            .map(|(name, signal)| (format!("in_{name}"), here(&m.at_time(signal, ROUNDING))))
-            .collect();
-        let (push, issue) = (here(&push), issue);
-        let mut inputs = vec![("issue", &issue), ("push", &push), ("ready", consumer)];
-        inputs.extend(lanes.iter().map(|(name, signal)| (name.as_str(), signal)));
-        let placed = m.instance("buffer", &unit, &inputs);
-
-        let out = |name: String| placed.out(&format!("out_{name}"));
-        let vertices = vertices
-            .into_iter()
-            .map(|(name, has_flag)| Vertex {
-                coordinates: AXES.map(|axis| out(format!("{name}_{axis}"))),
-                present: has_flag.then(|| out(format!("{name}_present"))),
+            let present = self.present(row, false, &ends, &ending);
+            into.extend(present.iter().map(|present| ("present", present.clone())));
+            let fifo = fifo(&name, &into)?;
+            vertices.push(Vertex {
                 name,
-            })
-            .collect();
+                coordinates: AXES.map(|axis| fifo.out(&format!("out_{axis}"))),
+                present: present.map(|_| fifo.out("out_present")),
+            });
+        }
         let standing = Standing {
             vertices,
-            last: out("strip_end".into()),
-            column_end: sliced.then(|| out("column_end".into())),
-            valid: placed.out("valid"),
+            last: flags.out("out_strip_end"),
+            column_end: sliced.then(|| flags.out("out_column_end")),
+            valid: flags.out("valid"),
             last_row: None,
         };
-        Ok((standing, placed.out("has_room"), placed.out("empty")))
+        Ok((standing, credits.out("has_room"), credits.out("empty")))
     }
 }
