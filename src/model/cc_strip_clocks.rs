@@ -186,6 +186,8 @@ struct Machine {
     finishing: (bool, u32),
     pipeline: Vec<bool>,
     buffered: Option<Buffered>,
+    /// Of a registered core: all was settled a clock ago, and nothing came in.
+    was_idle: bool,
 }
 
 impl Machine {
@@ -214,7 +216,17 @@ impl Machine {
         levels[count - 1].double = core.schedule == Schedule::Double;
         let pipeline = vec![false; core.finish.unwrap_or(1) as usize];
         let buffered = core.buffer.map(|buffer| Buffered::new(buffer.words));
-        Machine { core, levels, units, wanted: 0, dropping: false, finishing: (false, 0), pipeline, buffered }
+        Machine {
+            core,
+            levels,
+            units,
+            wanted: 0,
+            dropping: false,
+            finishing: (false, 0),
+            pipeline,
+            buffered,
+            was_idle: true,
+        }
     }
 
     /// Output beats of a strip.
@@ -256,7 +268,9 @@ impl Machine {
             let serve = range.clone().rev().find(can);
             let first = range.start;
             let ends = serve == Some(first) && slice + 1 == self.levels[first].slices;
-            next_ready = self.levels[first].columns == 0 || (ends && self.levels[first].columns == 1);
+            // A registered core sees the end of a column in time only where that leaves, and not in front.
+            let seen = self.core.buffer.is_none() || (first > 0 && first + 1 == self.wanted);
+            next_ready = self.levels[first].columns == 0 || (ends && self.levels[first].columns == 1 && seen);
             serves.push(serve);
         }
         serves.reverse();
@@ -264,14 +278,16 @@ impl Machine {
         let stage = self.core.finish.is_some() && (self.finishing.0 || self.pipeline.contains(&true));
         let empty = self.buffered.as_ref().is_none_or(|buffered| buffered.empty);
         let idle = self.levels.iter().all(|level| level.columns == 0) && !stage && empty;
+        let settles = if self.core.buffer.is_some() { self.was_idle } else { idle };
 
         let word = offered.filter(|word| {
             let dropped = self.dropping || (word.first && (word.level == 0 || word.level > self.core.levels));
-            let settled = !word.first || word.level as usize == self.wanted || idle;
+            let settled = !word.first || word.level as usize == self.wanted || settles;
             dropped || (next_ready && settled)
         });
 
         // The edge.
+        self.was_idle = idle;
         let (mut reaches, mut arrivals) = (None, vec![]);
         for (unit, serve) in serves.iter().enumerate() {
             let Some(level) = *serve else { continue };
@@ -301,6 +317,7 @@ impl Machine {
         if let Some(word) = word {
             let dropped = self.dropping || (word.first && (word.level == 0 || word.level > self.core.levels));
             self.dropping = dropped && !word.last;
+            self.was_idle &= dropped;
             if !dropped {
                 if word.first && self.wanted != word.level as usize {
                     self.wanted = word.level as usize;

@@ -12,6 +12,7 @@
 use std::rc::Rc;
 
 use super::fan::{kappa64, names};
+use super::wait::wait;
 use super::{Parameters, VALENCE_BITS};
 use crate::error::Result;
 use crate::fixed::{Range, Rounding};
@@ -114,12 +115,18 @@ pub fn build(parameters: Parameters, level: u32) -> Result<Rc<Module>> {
     let spokes = m.pipelined("spokes", 6 * &neighbours + &diagonals - 7 * &centres);
 
     let bits = parameters.replacement_bits();
-    let multiple = |d: u32| m.pipelined(&format!("weighted_{d}"), kappa64(d, bits) * &spokes);
-    let mut weighted = multiple(4);
-    for d in (3..=parameters.max_valence).filter(|d| *d != 4) {
-        weighted = choose(format!("weighted_to_{d}"), &is(d as usize), &multiple(d), &weighted);
+    let others: Vec<(u32, Signal)> = (3..=parameters.max_valence)
+        .filter(|d| *d != 4)
+        .map(|d| (d, m.pipelined(&format!("weighted_{d}"), kappa64(d, bits) * &spokes)))
+        .collect();
+    let first = others.iter().filter_map(|(_, multiple)| multiple.time()).min().unwrap_or(0);
+    // Of valence 4 kappa is a power of two.
+    let mut weighted = m.signal(kappa64(4, bits) * &m.at_time(&spokes, first));
+    for (d, multiple) in &others {
+        weighted = choose(format!("weighted_to_{d}"), &is(*d as usize), multiple, &weighted);
     }
-    let vertex = m.pipe("replaced", &weighted + (centre << (6 + bits)));
+    let late = wait(&m, "centre_slot", &[("centre".into(), centre.clone())], weighted.time().unwrap_or(0));
+    let vertex = m.pipe("replaced", &weighted + (&late[0] << (6 + bits)));
     // A convex combination: it lies in the hull, whatever the intervals say.
     let hull = word.range * (64i128 << bits);
     let vertex = m.claim("replacement", &vertex, Word { range: hull, ..vertex.word() }, None);

@@ -46,6 +46,7 @@ mod unit;
 mod vectors;
 pub mod view;
 pub mod view_ports;
+mod wait;
 mod window;
 
 use std::rc::Rc;

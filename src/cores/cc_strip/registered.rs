@@ -16,11 +16,9 @@ use super::fan::{self, End, Replaced};
 use super::fan_registered;
 use super::row_filter;
 use super::view::EndView;
+use super::wait::wait;
 use crate::error::Result;
-use crate::hdl::{Signal, Word};
-
-/// Rows whose RAMs share a register of the address.
-const ROWS_OF_A_COUNTER: usize = 8;
+use crate::hdl::Signal;
 
 impl Unit<'_> {
     /// The column that leaves, all of one clock.
@@ -49,6 +47,7 @@ impl Unit<'_> {
         let [top, bottom] = [0, 1].map(|at| self.end(End::BOTH[at], valences[at].clone()));
         let view = self.either(&at_bottom, &top, &bottom);
         let placed = fan::place(m, p, &fan_registered::build(p, self.level())?, "fan", &view);
+        let placed = placed.together(m);
         let (top, bottom) = match self.sliced() {
             true => (placed.each(Signal::clone), placed),
             false => (
@@ -58,14 +57,13 @@ impl Unit<'_> {
         };
 
         // The rows wait for the fan unit.
-        let names: Vec<String> = (0..=2 * cells)
-            .map(|u| format!("row_{u}"))
-            .chain(["face_above".into(), "face_below".into()])
-            .collect();
-        let made: Vec<Signal> = names.iter().map(|name| rows.out(name)).collect();
+        let names =
+            (0..=2 * cells).map(|u| format!("row_{u}")).chain(["face_above".into(), "face_below".into()]);
+        let made: Vec<(String, Signal)> = names.map(|name| (name.clone(), rows.out(&name))).collect();
         let ready = [&top, &bottom].into_iter().filter_map(Replaced::time).max().unwrap_or(0);
-        let mut rows = self.wait(&names, &made, ready);
-        let [above, below] = [rows.remove(names.len() - 2), rows.remove(names.len() - 2)];
+        let mut rows = wait(m, "row_slot", &made, ready);
+        let below = rows.remove(made.len() - 1);
+        let above = rows.remove(made.len() - 2);
 
         let first_slice = equals(m, self.slice, 0);
         let mut out = vec![];
@@ -93,35 +91,6 @@ impl Unit<'_> {
         let time = out.iter().chain(&outside).filter_map(Signal::time).max().unwrap_or(0);
         let together = |signals: Vec<Signal>| signals.iter().map(|s| m.at_time(s, time)).collect();
         Ok(Outgoing { rows: together(out), outside: together(outside) })
-    }
-
-    /// The signals at a later clock: where that is long, through RAMs made of lookup tables that a counter goes through.
-    fn wait(&self, names: &[String], signals: &[Signal], until: u32) -> Vec<Signal> {
-        let m = self.m;
-        let from = signals.iter().filter_map(Signal::time).max().unwrap_or(0);
-        let clocks = until.saturating_sub(from);
-        if !(4..=17).contains(&clocks) {
-            return signals.iter().map(|signal| m.at_time(signal, until)).collect();
-        }
-        // A word is read where the next one is written, and stands in the register behind a clock later.
-        let words = clocks - 1;
-        let word = Word::range(0, i128::from(words) - 1);
-        let slot = m.register_reset("slot", word, 0);
-        m.on(&m.is(&slot, i128::from(words) - 1), &slot, m.constant(0, word));
-        m.always(&slot, m.wrap(&slot + 1, word));
-        let mut address = slot.clone();
-        let mut late = vec![];
-        for (nth, (name, signal)) in names.iter().zip(signals).enumerate() {
-            if nth % ROWS_OF_A_COUNTER == 0 {
-                address = m.copy(format!("slot_{nth}"), &slot);
-                address = m.restart(&address, from);
-            }
-            let ram = m.memory(&format!("late_{name}"), words, signal.word(), vec![]).distributed();
-            ram.write(&m.bit(true), &address, &m.at_time(signal, from));
-            let read = ram.read(&format!("late_{name}_read"), &address, None);
-            late.push(m.restart(&read, until));
-        }
-        late
     }
 
     fn either(&self, at_bottom: &Signal, top: &EndView, bottom: &EndView) -> EndView {

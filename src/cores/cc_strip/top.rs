@@ -76,7 +76,11 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
         let never = m.bit(false);
         let next_ready = ready.get(index + 1).unwrap_or(&never);
         inputs.extend([("level", &level), ("next_ready", next_ready), ("output_ready", &output_ready)]);
-        let control = m.instance(&format!("control_{index}"), &control::build(index, group)?, &inputs);
+        let control = m.instance(
+            &format!("control_{index}"),
+            &control::build(index, group, parameters.registered)?,
+            &inputs,
+        );
         m.drive(&ready[index], m.wire(format!("group_{index}_ready"), control.out("ready")));
 
         let unit = engine::build(parameters, index, &groups)?;
@@ -110,7 +114,15 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
     m.drive(&output_ready, &room);
     let mut settled: Vec<Signal> = stages.iter().map(|stage| stage.control.out("idle")).collect();
     settled.push(empty);
-    m.drive(&idle, m.wire("all_idle", m.all(&settled.iter().collect::<Vec<_>>())));
+    let all_idle = m.wire("all_idle", m.all(&settled.iter().collect::<Vec<_>>()));
+    if parameters.registered {
+        // Known a clock late: a word that came in then may be the last of a column.
+        let was_idle = m.register_reset("was_idle", Word::bit(), 1);
+        m.always(&was_idle, &all_idle & &!loader.out("accept"));
+        m.drive(&idle, &was_idle);
+    } else {
+        m.drive(&idle, &all_idle);
+    }
     m.finish()
 }
 
