@@ -42,6 +42,7 @@ impl Builder {
             outputs: vec![],
             buses: vec![],
             memories: vec![],
+            copies: Default::default(),
             instances: vec![],
         };
         Builder(Rc::new(RefCell::new(State {
