@@ -1,0 +1,81 @@
+//! The whole top in the built-in simulator, with a receiver at its serial line.
+
+use std::rc::Rc;
+
+use super::uart::Receiver;
+use crate::error::{Error, Kind, Result};
+use crate::hdl::{Flat, Integers, Module, Simulator};
+
+/// Clocks of reset.
+const RESET: u64 = 4;
+
+/// How the top is run.
+pub struct Session<'a> {
+    pub top: &'a Rc<Module>,
+    pub clocks_per_bit: u32,
+    /// Clocks, from the end of the reset, in which the button is down.
+    pub pressed: std::ops::Range<u64>,
+    /// Bytes to be received; what comes after them is an error.
+    pub bytes: usize,
+    /// What the line does to each of its levels, by the number of the clock.
+    pub disturb: &'a dyn Fn(u64, bool) -> bool,
+}
+
+/// What came over the line.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Received {
+    pub bytes: Vec<u8>,
+    /// Bytes without a stop bit.
+    pub broken: u64,
+    /// Clocks from the end of the reset to the last byte.
+    pub clocks: u64,
+}
+
+impl Session<'_> {
+    /// Runs until the bytes are there and the line has been quiet for the time of four bytes more. Registers that
+    /// no reset sets hold noise at first.
+    ///
+    /// # Errors
+    /// `Mismatch` when nothing arrives for the time of a hundred bytes.
+    pub fn run(&self) -> Result<Received> {
+        let flat = Flat::new(self.top)?;
+        let port = |found: Option<_>, name: &str| {
+            found.ok_or_else(|| Error::usage(format!("the top has no port {name}")).help("take a serial sink"))
+        };
+        let (button, txd) =
+            (port(flat.input("button"), "button")?, port(flat.output("txd"), "txd")?);
+        let mut simulator = Simulator::new(flat, Integers);
+        simulator.scramble(1);
+        simulator.set(button, 0);
+        for _ in 0..RESET {
+            simulator.settle();
+            simulator.edge(true)?;
+        }
+        let byte_clocks = 11 * u64::from(self.clocks_per_bit);
+        let mut receiver = Receiver::new(self.clocks_per_bit);
+        let mut received = Received { bytes: vec![], broken: 0, clocks: 0 };
+        let mut patience = byte_clocks * 100;
+        for clock in 0.. {
+            simulator.set(button, self.pressed.contains(&clock).into());
+            simulator.settle();
+            let line = (self.disturb)(clock, *simulator.get(txd) != 0);
+            if let Some(byte) = receiver.clock(line) {
+                received.bytes.push(byte);
+                received.clocks = clock + 1;
+                patience = byte_clocks * 100;
+            }
+            let complete = received.bytes.len() >= self.bytes && clock > received.clocks + 4 * byte_clocks;
+            if complete || received.bytes.len() > self.bytes {
+                break;
+            }
+            patience -= 1;
+            if patience == 0 {
+                let what = format!("the line fell silent after {} of {} bytes", received.bytes.len(), self.bytes);
+                return Err(Error::new(Kind::Mismatch, what).at(format!("clock {clock}")));
+            }
+            simulator.edge(false)?;
+        }
+        received.broken = receiver.broken;
+        Ok(received)
+    }
+}
