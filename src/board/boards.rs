@@ -102,12 +102,7 @@ pub const BOARDS: [Board; 2] = [
         pins: Pins { clock: "4", txd: "69", button: "88", led_busy: "15", led_done: "16", high: &[] },
         button_low: false,
         leds_low: true,
-        devices: &[Device {
-            name: "gw2ar-18",
-            nextpnr: "GW2AR-LV18QN88C8/I7",
-            luts: 20_736,
-            blocks: 46,
-        }],
+        devices: &[Device { name: "gw2ar-18", nextpnr: "GW2AR-LV18QN88C8/I7", luts: 20_736, blocks: 46 }],
         loader: "tangnano20k",
         serial: "the second serial port of the USB socket (BL616)",
     },
@@ -118,7 +113,8 @@ pub const BOARDS: [Board; 2] = [
 pub fn board(name: &str) -> Result<&'static Board> {
     BOARDS.iter().find(|board| board.name == name).ok_or_else(|| {
         let names: Vec<_> = BOARDS.iter().map(|board| board.name).collect();
-        Error::usage(format!("there is no board '{name}'")).help(format!("the boards are {}", names.join(", ")))
+        Error::usage(format!("there is no board '{name}'"))
+            .help(format!("the boards are {}", names.join(", ")))
     })
 }
 

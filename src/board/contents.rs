@@ -19,7 +19,7 @@ use crate::surface::packets;
 use crate::surface::table::Table;
 
 /// Points, and beats, beyond which no device holds a mesh or nobody waits for it.
-const MOST: usize = 1 << 22;
+const MOST: usize = 1 << 20;
 
 /// The memories and the frame.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -39,8 +39,10 @@ pub fn contents(parameters: Parameters, mesh: &ControlMesh, level: u32) -> Resul
     let triangles = mesh.triangles().len();
     let beats = triangles.saturating_mul(LoopFd::beat_count(level.min(packets::MAX_LEVEL)));
     if beats > MOST || triangles.saturating_mul(12) > MOST {
-        return Err(Error::input(format!("{triangles} triangles at level {level} are {beats} pairs of vertices"))
-            .help(format!("choose a lower level or a smaller mesh; {MOST} pairs are the most")));
+        return Err(Error::input(format!(
+            "{triangles} triangles at level {level} are {beats} pairs of vertices"
+        ))
+        .help(format!("choose a lower level or a smaller mesh; {MOST} pairs are the most")));
     }
     let (mut patches, mut known, mut beats) = (Patches::default(), BTreeMap::new(), vec![]);
     let mut failure = None;

@@ -27,7 +27,8 @@ pub struct Frame {
 
 /// CRC-32 as in zlib, byte by byte from a table.
 pub fn crc32(bytes: &[u8]) -> u32 {
-    let entry = |index: u32| (0..8).fold(index, |c, _| if c & 1 == 1 { c >> 1 ^ 0xEDB8_8320 } else { c >> 1 });
+    let entry =
+        |index: u32| (0..8).fold(index, |c, _| if c & 1 == 1 { c >> 1 ^ 0xEDB8_8320 } else { c >> 1 });
     let table: Vec<u32> = (0..256).map(entry).collect();
     !bytes.iter().fold(!0, |c, &byte| c >> 8 ^ table[usize::from(c as u8 ^ byte)])
 }
@@ -97,7 +98,8 @@ fn header(bytes: &[u8]) -> Result<Header> {
 }
 
 fn damaged(what: String) -> Error {
-    Error::new(Kind::Mismatch, what).help("send the mesh again; check the baud rate and the cable if it stays so")
+    Error::new(Kind::Mismatch, what)
+        .help("send the mesh again; check the baud rate and the cable if it stays so")
 }
 
 /// Reads a whole frame.
@@ -112,7 +114,9 @@ pub fn decode(bytes: &[u8]) -> Result<Frame> {
     let (content, checksum) = bytes.split_at(bytes.len() - CHECKSUM);
     let (computed, sent) = (crc32(content), checksum.iter().rev().fold(0u32, |c, &b| c << 8 | u32::from(b)));
     if computed != sent {
-        return Err(damaged(format!("the checksum of the frame is {sent:08x}, that of its bytes {computed:08x}")));
+        return Err(damaged(format!(
+            "the checksum of the frame is {sent:08x}, that of its bytes {computed:08x}"
+        )));
     }
     let size = usize::from(header.coordinate_bytes);
     let mut rest = &content[Header::BYTES..];

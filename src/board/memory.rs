@@ -41,7 +41,8 @@ pub fn check(board: &Board, device: &Device, parameters: Parameters, patches: &P
         board.title,
         device.blocks
     );
-    Err(Error::input(what).help("choose a lower --level, fewer bits in --coordinates, a smaller mesh or a larger device"))
+    Err(Error::input(what)
+        .help("choose a lower --level, fewer bits in --coordinates, a smaller mesh or a larger device"))
 }
 
 #[cfg(test)]

@@ -185,13 +185,16 @@ fn manifest(
     let settings = &design.settings;
     let hashes: serde_json::Map<_, _> = files
         .iter()
-        .map(|(path, bytes)| (path.to_string_lossy().replace('\\', "/"), blake3::hash(bytes).to_hex().as_str().into()))
+        .map(|(path, bytes)| {
+            (path.to_string_lossy().replace('\\', "/"), blake3::hash(bytes).to_hex().as_str().into())
+        })
         .collect();
     let Pll { input, feedback, output } = design.pll;
     let check = match checked {
         Some(received) => json!({
             "core": "proved by linear forms",
-            "top": "simulated with a receiver at its line; every byte equals the reference",
+            "top": "simulated with a receiver at its line; every byte received equals the reference",
+            "bytes_received": received.bytes.len(),
             "clocks_per_bit": Pace::QUICK.clocks_per_bit,
             "clocks": received.clocks,
         }),

@@ -1,22 +1,22 @@
 //! The whole top in the built-in simulator, with a receiver at its serial line.
 
-use std::rc::Rc;
-
 use super::uart::Receiver;
 use crate::error::{Error, Kind, Result};
-use crate::hdl::{Flat, Integers, Module, Simulator};
+use crate::hdl::{Flat, Integers, Simulator};
 
 /// Clocks of reset.
 const RESET: u64 = 4;
 
 /// How the top is run.
 pub struct Session<'a> {
-    pub top: &'a Rc<Module>,
+    pub top: &'a Flat,
     pub clocks_per_bit: u32,
     /// Clocks, from the end of the reset, in which the button is down.
     pub pressed: std::ops::Range<u64>,
-    /// Bytes to be received; what comes after them is an error.
+    /// Bytes to be received.
     pub bytes: usize,
+    /// Whether to listen for bytes beyond them.
+    pub to_the_end: bool,
     /// What the line does to each of its levels, by the number of the clock.
     pub disturb: &'a dyn Fn(u64, bool) -> bool,
 }
@@ -32,18 +32,18 @@ pub struct Received {
 }
 
 impl Session<'_> {
-    /// Runs until the bytes are there and the line has been quiet for the time of four bytes more. Registers that
-    /// no reset sets hold noise at first.
+    /// Runs until the bytes are there and, if asked for, the line has been quiet for the time of four bytes more.
+    /// Registers that no reset sets hold noise at first.
     ///
     /// # Errors
     /// `Mismatch` when nothing arrives for the time of a hundred bytes.
     pub fn run(&self) -> Result<Received> {
-        let flat = Flat::new(self.top)?;
+        let flat = self.top.clone();
         let port = |found: Option<_>, name: &str| {
-            found.ok_or_else(|| Error::usage(format!("the top has no port {name}")).help("take a serial sink"))
+            found
+                .ok_or_else(|| Error::usage(format!("the top has no port {name}")).help("take a serial sink"))
         };
-        let (button, txd) =
-            (port(flat.input("button"), "button")?, port(flat.output("txd"), "txd")?);
+        let (button, txd) = (port(flat.input("button"), "button")?, port(flat.output("txd"), "txd")?);
         let mut simulator = Simulator::new(flat, Integers);
         simulator.scramble(1);
         simulator.set(button, 0);
@@ -64,13 +64,14 @@ impl Session<'_> {
                 received.clocks = clock + 1;
                 patience = byte_clocks * 100;
             }
-            let complete = received.bytes.len() >= self.bytes && clock > received.clocks + 4 * byte_clocks;
-            if complete || received.bytes.len() > self.bytes {
+            let quiet = !self.to_the_end || clock > received.clocks + 4 * byte_clocks;
+            if received.bytes.len() > self.bytes || (received.bytes.len() == self.bytes && quiet) {
                 break;
             }
             patience -= 1;
             if patience == 0 {
-                let what = format!("the line fell silent after {} of {} bytes", received.bytes.len(), self.bytes);
+                let what =
+                    format!("the line fell silent after {} of {} bytes", received.bytes.len(), self.bytes);
                 return Err(Error::new(Kind::Mismatch, what).at(format!("clock {clock}")));
             }
             simulator.edge(false)?;

@@ -112,7 +112,12 @@ impl Args {
         let settings = board::Settings {
             board: self.board,
             device: self.board.device(self.device.as_deref())?,
-            parameters: Parameters::new(coordinates, coordinates.fraction, self.level, RegisterForm::Minimal20)?,
+            parameters: Parameters::new(
+                coordinates,
+                coordinates.fraction,
+                self.level,
+                RegisterForm::Minimal20,
+            )?,
             level: self.level,
             baud: self.baud,
             clock: self.clock.map_or(self.board.clock, |mega| mega * 1_000_000),

@@ -51,7 +51,10 @@ pub fn build(parameters: Parameters, patches: &Patches) -> Result<Rc<Module>> {
     m.on(&begin, &running, m.bit(true));
 
     for name in super::coordinate_names() {
-        m.output(&name, m.rescale(&core.out(&format!("m_axis_tdata_{name}")), parameters.output_fraction as i32));
+        m.output(
+            &name,
+            m.rescale(&core.out(&format!("m_axis_tdata_{name}")), parameters.output_fraction as i32),
+        );
     }
     let strip_end = core.out("m_axis_tlast");
     let flags = [pair, strip_end, patch_start, patch_end, mesh_start, mesh_end];

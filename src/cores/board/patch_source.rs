@@ -23,7 +23,10 @@ const POINTS: i128 = 12;
 pub fn build(parameters: Parameters, patches: &Patches) -> Result<Rc<Module>> {
     let m = Builder::new("patch_source");
     let (patch_count, beat_count) = (patches.levels.len() as i128, POINTS * patches.levels.len() as i128);
-    m.purpose(format!("{patch_count} patches in block RAM: {} distinct control points and", patches.points.len()));
+    m.purpose(format!(
+        "{patch_count} patches in block RAM: {} distinct control points and",
+        patches.points.len()
+    ));
     m.purpose("twelve of them for each patch, sent as packets for loop_fd.");
     let [start, ready] = ["start", "ready"].map(|name| m.input(name, Word::bit()));
 

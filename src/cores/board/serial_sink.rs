@@ -74,11 +74,8 @@ pub fn build(parameters: Parameters, header: Header, clocks_per_bit: u32) -> Res
 
     let clear = m.forward("clear", Word::bit());
     let take = m.forward("take", Word::bit());
-    let crc = m.instance(
-        "crc",
-        &crc32::build()?,
-        &[("clear", &clear), ("valid", &take), ("byte_in", &waiting[0])],
-    );
+    let crc =
+        m.instance("crc", &crc32::build()?, &[("clear", &clear), ("valid", &take), ("byte_in", &waiting[0])]);
     let settled = m.wire("settled", &none_left & crc.out("idle"));
     let offered = m.wire("offered", !&none_left & crc.out("idle"));
     let line = uart_transmitter::build(clocks_per_bit)?;

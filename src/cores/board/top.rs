@@ -22,7 +22,9 @@ use crate::hdl::{Builder, Module, Signal, Word};
 /// A sink without the ports of the vertex stream.
 pub fn build(evaluator: &Rc<Module>, sink: &Rc<Module>, log_quiet: u32) -> Result<Rc<Module>> {
     let m = Builder::new("mesh_board");
-    m.purpose("A mesh in block RAM, evaluated after reset and at each press of the button, and sent to the sink.");
+    m.purpose(
+        "A mesh in block RAM, evaluated after reset and at each press of the button, and sent to the sink.",
+    );
     let pin = m.input("button", Word::bit());
     let button = m.instance("button_input", &button::build(log_quiet)?, &[("pin", &pin)]);
     let fresh = m.register_reset("fresh", Word::bit(), 1);

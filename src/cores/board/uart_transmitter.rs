@@ -23,8 +23,9 @@ const FRAME: u32 = 10;
 /// A bit shorter than two clocks or longer than 2^20.
 pub fn build(clocks_per_bit: u32) -> Result<Rc<Module>> {
     if !(FEWEST_CLOCKS..=MOST_CLOCKS).contains(&clocks_per_bit) {
-        return Err(Error::usage(format!("a serial line with {clocks_per_bit} clocks a bit"))
-            .help(format!("a bit lasts {FEWEST_CLOCKS} to {MOST_CLOCKS} clocks: change the baud rate or the clock")));
+        return Err(Error::usage(format!("a serial line with {clocks_per_bit} clocks a bit")).help(format!(
+            "a bit lasts {FEWEST_CLOCKS} to {MOST_CLOCKS} clocks: change the baud rate or the clock"
+        )));
     }
     let m = Builder::new("uart_transmitter");
     m.purpose("Bytes onto a serial line: start bit, eight data bits with the lowest first, stop bit.");
