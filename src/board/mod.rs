@@ -124,7 +124,7 @@ impl Design {
         let received = Session {
             top: &Flat::new(&self.top(Pace::QUICK)?)?,
             clocks_per_bit: Pace::QUICK.clocks_per_bit,
-            pressed: 0..0,
+            pressed: &[],
             bytes: expected.len(),
             to_the_end: expected.len() == frame.len(),
             disturb: &|_, line| line,

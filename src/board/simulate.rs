@@ -12,7 +12,7 @@ pub struct Session<'a> {
     pub top: &'a Flat,
     pub clocks_per_bit: u32,
     /// Clocks, from the end of the reset, in which the button is down.
-    pub pressed: std::ops::Range<u64>,
+    pub pressed: &'a [std::ops::Range<u64>],
     /// Bytes to be received.
     pub bytes: usize,
     /// Whether to listen for bytes beyond them.
@@ -29,6 +29,8 @@ pub struct Received {
     pub broken: u64,
     /// Clocks from the end of the reset to the last byte.
     pub clocks: u64,
+    /// Clocks in which `led_busy` was lit, and `led_done`.
+    pub lit: [u64; 2],
 }
 
 impl Session<'_> {
@@ -43,7 +45,9 @@ impl Session<'_> {
             found
                 .ok_or_else(|| Error::usage(format!("the top has no port {name}")).help("take a serial sink"))
         };
-        let (button, txd) = (port(flat.input("button"), "button")?, port(flat.output("txd"), "txd")?);
+        let output = |name: &str| port(flat.output(name), name);
+        let (button, txd) = (port(flat.input("button"), "button")?, output("txd")?);
+        let leds = [output("led_busy")?, output("led_done")?];
         let mut simulator = Simulator::new(flat, Integers);
         simulator.scramble(1);
         simulator.set(button, 0);
@@ -53,12 +57,15 @@ impl Session<'_> {
         }
         let byte_clocks = 11 * u64::from(self.clocks_per_bit);
         let mut receiver = Receiver::new(self.clocks_per_bit);
-        let mut received = Received { bytes: vec![], broken: 0, clocks: 0 };
+        let mut received = Received { bytes: vec![], broken: 0, clocks: 0, lit: [0; 2] };
         let mut patience = byte_clocks * 100;
         for clock in 0.. {
-            simulator.set(button, self.pressed.contains(&clock).into());
+            simulator.set(button, self.pressed.iter().any(|time| time.contains(&clock)).into());
             simulator.settle();
             let line = (self.disturb)(clock, *simulator.get(txd) != 0);
+            for (lit, led) in received.lit.iter_mut().zip(leds) {
+                *lit += u64::from(*simulator.get(led) != 0);
+            }
             if let Some(byte) = receiver.clock(line) {
                 received.bytes.push(byte);
                 received.clocks = clock + 1;

@@ -51,7 +51,7 @@ fn settings(name: &str, shape: &str, level: u32, format: subdiv_rtl::fixed::Form
 pub fn run(design: &Design, pace: Pace) -> Received {
     let top = Flat::new(&design.top(pace).unwrap()).unwrap();
     let (clocks_per_bit, bytes) = (pace.clocks_per_bit, design.expected().len());
-    Session { top: &top, clocks_per_bit, pressed: 0..0, bytes, to_the_end: true, disturb: &|_, line| line }
+    Session { top: &top, clocks_per_bit, pressed: &[], bytes, to_the_end: true, disturb: &|_, line| line }
         .run()
         .unwrap()
 }
