@@ -25,6 +25,7 @@
 //! | [`cores`] | the hardware, one unit a file | `hdl`, `fixed`, constants of `surface` |
 //! | [`cosim`] | stimulus, drivers of every simulator, comparison, verdict | all above |
 //! | [`package`] | a core as files: Verilog, testbench, FuseSoC, manifest | all above |
+//! | [`board`] | a core with a mesh on a board: contents, frame, clock, project | all above |
 //! | [`explore`] | sweeps over number formats, their bounds and costs, the Pareto front | all above |
 //! | [`report`] | tables and pictures | plain data |
 //! | [`cli`] | one file for each subcommand | all above |
@@ -32,6 +33,7 @@
 //! `model` never uses `hdl` or `cores`, and those never use `model`: both sides are written from the same
 //! mathematics by different means, so that a mistake in one shows. Tests guard that.
 
+pub mod board;
 pub mod cli;
 pub mod cores;
 pub mod cosim;

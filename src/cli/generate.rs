@@ -3,6 +3,7 @@
 //! The arguments and the configuration file become [`Settings`]; what is not said has a default.
 
 use super::{
+    board,
     config::Config,
     output,
     progress::Progress,
@@ -28,6 +29,7 @@ pub struct Args {
 pub enum Core {
     LoopFd(LoopFd),
     CcStrip(CcStrip),
+    Board(Box<board::Args>),
 }
 
 /// The sliding window for quad strips of Catmull-Clark surfaces
@@ -198,6 +200,7 @@ pub fn run(args: &Args) -> Result<()> {
             let _shown = working(!core.no_proof);
             (package::cc_strip::package(parameters, !core.no_proof)?, core.output.clone(), core.force)
         }
+        Core::Board(board) => (board.package()?, board.folder(), board.force),
     };
     package.write(&folder, force)?;
     let paths = package.files.iter().map(|(path, _)| format!("{}\n", folder.join(path).display()));
