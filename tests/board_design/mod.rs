@@ -34,7 +34,7 @@ pub fn two_triangles(level: u32) -> Design {
 
 fn small(level: u32, triangles: Vec<[u32; 3]>) -> Design {
     let format = "Q4.4".parse().unwrap();
-    let positions = vec![[-99, 3, 0], [80, -50, 7], [0, 127, -128], [100, 90, 3]];
+    let positions = [[-99, 3, 0], [80, -50, 7], [0, 127, -128], [100, 90, 3]];
     let used = 2 + triangles.len();
     let mesh = ControlMesh::new(positions[..used].to_vec(), triangles).unwrap();
     Design::new(settings("ulx3s", "none", level, format), &mesh).unwrap()
