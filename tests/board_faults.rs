@@ -13,7 +13,7 @@ use subdiv_rtl::hdl::{Flat, fault};
 const PACE: Pace = Pace { clocks_per_bit: 3, log_quiet: 4 };
 
 /// Parts of the descriptions of faults that change nothing, and why.
-const REASONS: [(&str, &str); 20] = [
+const REASONS: [(&str, &str); 21] = [
     (
         "start (on the way to it): stuck at 1",
         "the evaluator ignores a start while it runs, and the sink ends after it",
