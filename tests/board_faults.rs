@@ -13,7 +13,7 @@ use subdiv_rtl::hdl::{Flat, fault};
 const PACE: Pace = Pace { clocks_per_bit: 3, log_quiet: 4 };
 
 /// Parts of the descriptions of faults that change nothing, and why.
-const REASONS: [(&str, &str); 21] = [
+const REASONS: [(&str, &str); 20] = [
     (
         "start (on the way to it): stuck at 1",
         "the evaluator ignores a start while it runs, and the sink ends after it",
@@ -23,10 +23,6 @@ const REASONS: [(&str, &str); 21] = [
     (
         "button_input.quiet: reset",
         "the pin is 0 at reset, which clears the count; `pressed` then meets the first start",
-    ),
-    (
-        "button_input.quiet: always",
-        "a count that is full and wraps begins anew only while the button stays down",
     ),
     ("button_input.held: reset", "it follows the count, which is 0 at reset"),
     ("evaluator.begin_mesh (on the way", "the top starts nothing while the sink is at work"),
