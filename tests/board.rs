@@ -153,7 +153,7 @@ fn another_output_takes_the_place_of_the_serial_line() {
 
     let mut simulator = Simulator::new(flat, Integers);
     simulator.scramble(3);
-    let (mut seen, mut noise, mut ended) = (vec![], 1u32, false);
+    let (mut seen, mut noise) = (vec![], 1u32);
     for clock in 0..20_000 {
         noise = noise.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
         simulator.set(button, 0);
@@ -162,13 +162,14 @@ fn another_output_takes_the_place_of_the_serial_line() {
         if clock > 4 && *simulator.get(show) == 1 {
             let at: Vec<i64> = pixels.iter().map(|&pixel| *simulator.get(pixel) as i64).collect();
             let right = (*simulator.get(pair) == 1).then(|| [at[3], at[4], at[5]]);
-            seen.push(([at[0], at[1], at[2]], right));
-            ended = *simulator.get(end) == 1;
+            seen.push(([at[0], at[1], at[2]], right, *simulator.get(end) == 1));
         }
         simulator.edge(clock < 4).unwrap();
     }
-    let expected: Vec<_> = design.contents.frame.beats.iter().map(|beat| (beat.left, beat.right)).collect();
-    assert!(ended && seen == expected);
+    let beats = &design.contents.frame.beats;
+    let expected: Vec<_> =
+        beats.iter().enumerate().map(|(i, beat)| (beat.left, beat.right, i + 1 == beats.len())).collect();
+    assert!(seen == expected);
 }
 
 fn installed(tool: &str, question: &str) -> bool {

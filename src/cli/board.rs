@@ -31,7 +31,7 @@ pub struct Args {
     pub core: Core,
 
     /// The control mesh: OBJ, OFF, PLY, STL or SGI Inventor
-    #[arg(long, value_name = "FILE", required_unless_present = "shape", conflicts_with = "shape")]
+    #[arg(long, value_name = "FILE", conflicts_with = "shape")]
     pub mesh: Option<PathBuf>,
 
     /// A built-in shape in place of a mesh; 'subdiv-rtl shapes' lists them

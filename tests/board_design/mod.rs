@@ -24,9 +24,20 @@ pub fn design_on(name: &str, shape: &str, level: u32, coordinates: &str) -> Desi
 
 /// One triangle, so that a frame is short.
 pub fn triangle(level: u32) -> Design {
+    small(level, vec![[0, 1, 2]])
+}
+
+/// Two triangles: at level 2 patches of different levels follow each other in no simple order.
+pub fn two_triangles(level: u32) -> Design {
+    small(level, vec![[0, 1, 2], [2, 1, 3]])
+}
+
+fn small(level: u32, triangles: Vec<[u32; 3]>) -> Design {
     let format = "Q4.4".parse().unwrap();
-    let mesh = ControlMesh::new(vec![[-99, 3, 0], [80, -50, 7], [0, 127, -128]], vec![[0, 1, 2]]).unwrap();
-    Design::new(settings("ulx3s", "triangle", level, format), &mesh).unwrap()
+    let positions = [[-99, 3, 0], [80, -50, 7], [0, 127, -128], [100, 90, 3]];
+    let used = 2 + triangles.len();
+    let mesh = ControlMesh::new(positions[..used].to_vec(), triangles).unwrap();
+    Design::new(settings("ulx3s", "none", level, format), &mesh).unwrap()
 }
 
 fn control(mesh: &mesh::Mesh, format: subdiv_rtl::fixed::Format) -> ControlMesh {
