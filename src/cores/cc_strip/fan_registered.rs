@@ -79,10 +79,10 @@ pub fn build(parameters: Parameters, level: u32) -> Result<Rc<Module>> {
     let right_of_one = [left, inner, before, right, inner_left];
     let left_edge = edge("spoke_1", Some([right, left, inner_right, inner, after]), 0);
     let mut spokes = vec![left_edge.clone()];
-    for i in 1..a.len() {
+    for (i, &neighbour) in a.iter().enumerate().skip(1) {
         let spoke = edge(&format!("spoke_{}", i + 1), (i == 1).then_some(right_of_three), i);
         let [last_a, last_x] = [ring(i)[1], ring(i)[2]];
-        let face = m.pipelined(&format!("face_{}", i + 1), centre + last_a + last_x + a[i]);
+        let face = m.pipelined(&format!("face_{}", i + 1), centre + last_a + last_x + neighbour);
         m.output(format!("new_x_{}", i + 1), round(&format!("new_x_{}", i + 1), &m.signal(16 * &face), 0));
         m.output(format!("new_a_{}", i + 1), round(&format!("new_a_{}", i + 1), &spoke, 0));
         spokes.push(spoke);

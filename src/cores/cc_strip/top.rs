@@ -171,7 +171,7 @@ fn incoming(
 fn own_copies(m: &Builder, data: u32, axis: &str, ports: &mut [(String, Signal)]) {
     for (port, signal) in ports {
         if signal.time().is_some_and(|time| time < data) {
-            *signal = m.copy(format!("{port}_{data}_{axis}"), &m.at_time(signal, data - 1));
+            *signal = m.copy(format!("{port}_{data}_{axis}"), m.at_time(signal, data - 1));
         }
     }
 }

@@ -143,6 +143,9 @@ struct Body<'a> {
     live: Live,
 }
 
+/// Registers that are reset or not and merged or not, their conditions, and which they are.
+type Alike = ([bool; 2], Vec<Option<NodeId>>, Vec<NodeId>);
+
 impl Body<'_> {
     fn ids(&self) -> impl Iterator<Item = NodeId> {
         (0..self.module.nodes.len() as u32).map(NodeId)
@@ -238,7 +241,7 @@ impl Body<'_> {
 
     /// The registers that take a value of this clock, those steered alike together.
     fn registers(&self, clock: u32) -> Vec<String> {
-        let mut groups: Vec<([bool; 2], Vec<Option<NodeId>>, Vec<NodeId>)> = vec![];
+        let mut groups: Vec<Alike> = vec![];
         for id in self.ids().filter(|&id| self.needed(id)) {
             let Cell::Register { next: Some(next), enable, reset } = self.module.node(id).cell else {
                 continue;
@@ -251,8 +254,7 @@ impl Body<'_> {
             if taken == clock {
                 let conditions: Vec<_> = self.clauses(next, enable).into_iter().map(|(c, _)| c).collect();
                 let kind = [reset.is_some(), self.module.copies.contains(&id)];
-                let alike =
-                    |g: &&mut ([bool; 2], Vec<Option<NodeId>>, Vec<NodeId>)| g.0 == kind && g.1 == conditions;
+                let alike = |g: &&mut Alike| g.0 == kind && g.1 == conditions;
                 match groups.iter_mut().find(alike) {
                     Some(group) => group.2.push(id),
                     None => groups.push((kind, conditions, vec![id])),
