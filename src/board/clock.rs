@@ -135,7 +135,7 @@ mod tests {
         let error = pll(Family::Ecp5, 25_000_000, 48_000_000).unwrap_err();
         assert_eq!(error.what, "the PLL cannot make 48 MHz of 25 MHz");
         assert_eq!(error.exit_status(), 2);
-        assert_eq!(error.help.unwrap(), "the nearest clock that it can make is 46.875 MHz");
+        assert_eq!(error.help.clone().unwrap(), "the nearest clock that it can make is 46.875 MHz");
     }
 
     #[test]

@@ -2,11 +2,13 @@
 //!
 //! The arguments become [`Settings`]; what is contradictory is refused before any work begins.
 
+mod names;
 mod result;
 mod run;
 mod strip_picture;
 mod strips;
 
+pub use names::{Colour, Scheme, SimulatorName};
 pub use run::is_mismatch;
 
 use super::{
@@ -19,7 +21,6 @@ use crate::{
     error::{Error, Result},
     fixed::{Format, Precision, Rounding},
 };
-use clap::ValueEnum;
 use std::{
     ffi::OsStr,
     path::{Path, PathBuf},
@@ -178,44 +179,6 @@ Examples:
   subdiv-rtl simulate bunny.obj --level 6 --simulator all -o fine.obj --picture fine.png
   subdiv-rtl simulate --shape torus --coordinates Q2.14 --back-pressure random:30 --seed 7
   subdiv-rtl simulate --shape icosahedron --format json | jq .error_lsb";
-
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub enum Scheme {
-    /// Triangles, after Charles Loop
-    #[default]
-    Loop,
-    /// Quads in strips, after Catmull and Clark; other polygons become quads by one step
-    CatmullClark,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, ValueEnum)]
-pub enum SimulatorName {
-    /// Our own, which needs no tools
-    Builtin,
-    /// Verilator, the fastest
-    Verilator,
-    /// The emitted testbench in Verilator; slower, and not among 'all'
-    VerilatorTestbench,
-    /// Icarus Verilog, with the emitted testbench
-    Icarus,
-    /// All of them; it is an error when one is missing
-    All,
-    /// Those of them that are installed
-    Installed,
-}
-
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub enum Colour {
-    /// Nothing: porcelain
-    #[default]
-    Plain,
-    /// The distance of each vertex from its exact place
-    Error,
-    /// The polynomial patches, by their depth around irregular vertices
-    Patches,
-    /// The strips that a quad mesh was cut into
-    Strips,
-}
 
 fn level() -> impl clap::builder::TypedValueParser<Value = u32> {
     clap::value_parser!(u32).range(0..=i64::from(FINEST_LEVEL))
