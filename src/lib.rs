@@ -25,6 +25,7 @@
 //! | [`cores`] | the hardware, one unit a file | `hdl`, `fixed`, constants of `surface` |
 //! | [`cosim`] | stimulus, drivers of every simulator, comparison, verdict | all above |
 //! | [`package`] | a core as files: Verilog, testbench, FuseSoC, manifest | all above |
+//! | [`fpga`] | synthesis, place and route, their reports | `hdl`, `package`, running tools as `cosim` does |
 //! | [`explore`] | sweeps over number formats, their bounds and costs, the Pareto front | all above |
 //! | [`report`] | tables and pictures | plain data |
 //! | [`cli`] | one file for each subcommand | all above |
@@ -39,6 +40,7 @@ pub mod error;
 pub mod explore;
 pub mod files;
 pub mod fixed;
+pub mod fpga;
 pub mod hdl;
 pub mod mesh;
 pub mod model;

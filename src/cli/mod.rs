@@ -22,6 +22,7 @@ pub mod report;
 pub mod shapes;
 pub mod simulate;
 pub mod strip_options;
+pub mod synth;
 pub mod values;
 
 use crate::error::{Kind, Result};
@@ -72,6 +73,7 @@ struct Cli {
 enum Command {
     Simulate(Box<simulate::Args>),
     Generate(Box<generate::Args>),
+    Synth(Box<synth::Args>),
     Explore(Box<explore::Args>),
     Report(report::Args),
     Shapes(shapes::Args),
@@ -84,6 +86,7 @@ impl Command {
     fn format(&self) -> Format {
         match self {
             Command::Simulate(args) => args.format.format,
+            Command::Synth(args) => args.format(),
             Command::Explore(args) => args.format(),
             Command::Report(args) => args.format(),
             Command::Shapes(args) => args.format.format,
@@ -96,6 +99,7 @@ impl Command {
         match self {
             Command::Simulate(args) => simulate::run(args),
             Command::Generate(args) => generate::run(args),
+            Command::Synth(args) => synth::run(args),
             Command::Explore(args) => explore::run(args),
             Command::Report(args) => report::run(args),
             Command::Shapes(args) => shapes::run(args),
