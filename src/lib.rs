@@ -26,6 +26,7 @@
 //! | [`cosim`] | stimulus, drivers of every simulator, comparison, verdict | all above |
 //! | [`package`] | a core as files: Verilog, testbench, FuseSoC, manifest | all above |
 //! | [`board`] | a core with a mesh on a board: contents, frame, clock, project | all above |
+//! | [`fpga`] | synthesis, place and route, their reports | `hdl`, `package`, running tools as `cosim` does |
 //! | [`explore`] | sweeps over number formats, their bounds and costs, the Pareto front | all above |
 //! | [`report`] | tables and pictures | plain data |
 //! | [`cli`] | one file for each subcommand | all above |
@@ -41,6 +42,7 @@ pub mod error;
 pub mod explore;
 pub mod files;
 pub mod fixed;
+pub mod fpga;
 pub mod hdl;
 pub mod mesh;
 pub mod model;

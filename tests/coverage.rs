@@ -28,11 +28,13 @@ const DESIGNS: [Design; 3] = [
 ];
 
 /// Input gaps and back-pressure: none, and every kind on either side.
-const STALLS: [(Stall, Stall); 4] = [
+const STALLS: [(Stall, Stall); 5] = [
     (Stall::None, Stall::None),
     (Stall::Random { percent: 40 }, Stall::Bursts),
     (Stall::OneIn(5), Stall::Random { percent: 40 }),
     (Stall::Bursts, Stall::OneIn(3)),
+    // Long enough to fill the FIFO.
+    (Stall::None, Stall::OneIn(40)),
 ];
 
 /// Why some points of a file cannot be hit.

@@ -21,12 +21,18 @@ use subdiv_rtl::surface::control_mesh::ControlMesh;
 
 /// Why a fault of the control changes nothing: (part of its description, kind, reason). What it says is
 /// checked: the proof holds, and values, flags and clocks are the same under many stalls.
-const REASONS: [(&str, Kind, &str); 9] = [
-    ("control.length", Kind::Reset, "set by load before it is read"),
+const REASONS: [(&str, Kind, &str); 11] = [
+    ("control.pairs_of_next", Kind::Reset, "set by load before it is read"),
     ("control.pairs_left", Kind::Reset, "set by starting before it is read"),
+    ("control.load", Kind::Reset, "a load before the first patch moves what the patch's own load sets again"),
+    ("output_fifo.has_room", Kind::Reset, "nothing runs at the first clock, and at the second it is known"),
     ("control.fresh", Kind::Reset, "set by starting before it is read"),
-    ("control.step (on the way", Kind::Stuck, "a step at the end of a strip gives way to strip, or to load"),
-    ("control.strip (on the way", Kind::Stuck, "a strip at the end of a patch gives way to load"),
+    (
+        "control.step_now (on the way",
+        Kind::Stuck,
+        "a step at the end of a strip gives way to strip, or to load",
+    ),
+    ("control.strip_now (on the way", Kind::Stuck, "a strip at the end of a patch gives way to load"),
     (
         "output_fifo.ram_",
         Kind::Enable,

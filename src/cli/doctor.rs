@@ -3,6 +3,7 @@
 use super::output::{self, Format, FormatArg};
 use crate::cosim::{Settings, ToolStatus, tools};
 use crate::error::Result;
+use crate::fpga;
 use crate::report::table::{Align, Cell, Table, Tone};
 use serde_json::json;
 
@@ -18,7 +19,8 @@ pub struct Args {
 /// # Errors
 /// Standard output that cannot be written.
 pub fn run(args: &Args) -> Result<()> {
-    let tools = tools(&Settings::default());
+    let mut tools = tools(&Settings::default());
+    tools.extend(fpga::status(&Settings::default()));
     match args.format.format {
         Format::Text => output::print(&text(&tools)),
         Format::Json => {

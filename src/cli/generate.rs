@@ -80,13 +80,17 @@ pub struct CcStrip {
     #[arg(long)]
     pub force: bool,
 
-    /// The folder to write to
-    #[arg(short, long, value_name = "DIR", default_value = "cc-strip")]
-    pub output: PathBuf,
+    /// The folder to write to [default: cc-strip]
+    #[arg(short, long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
 }
 
 impl CcStrip {
-    fn parameters(&self) -> cc_strip::Parameters {
+    /// The core that the options ask for.
+    ///
+    /// # Errors
+    /// Parameters that no core has.
+    pub fn parameters(&self) -> Result<cc_strip::Parameters> {
         let plain = cc_strip::Parameters {
             output_fraction: self.output_fraction.unwrap_or(self.coordinates.fraction),
             precision: self.guard.map_or(cc_strip::Precision::Exact, cc_strip::Precision::Guard),
@@ -94,7 +98,7 @@ impl CcStrip {
             table_bits: self.table.unwrap_or(self.coordinates.width() + 13),
             ..cc_strip::Parameters::exact(self.coordinates, self.max_level, self.max_valence)
         };
-        self.result.on(self.unit.on(plain))
+        self.result.on(self.unit.on(plain)).check()
     }
 }
 
@@ -183,22 +187,15 @@ pub fn run(args: &Args) -> Result<()> {
     let (package, folder, force) = match &args.core {
         Core::LoopFd(core) => {
             let settings = core.settings()?;
-            let parameters = Parameters::new(
-                settings.coordinates,
-                settings.output_fraction,
-                settings.max_level,
-                settings.registers.form(),
-            )?
-            .with_min_level(settings.min_level)?
-            .with_precision(settings.precision)?
-            .with_chunk(settings.chunk)?;
+            let parameters = settings.parameters()?;
             let _shown = working(settings.proof);
             (package::loop_fd::package(parameters, settings.proof)?, settings.folder, settings.force)
         }
         Core::CcStrip(core) => {
-            let parameters = core.parameters().check()?;
+            let parameters = core.parameters()?;
+            let folder = core.output.clone().unwrap_or(PathBuf::from("cc-strip"));
             let _shown = working(!core.no_proof);
-            (package::cc_strip::package(parameters, !core.no_proof)?, core.output.clone(), core.force)
+            (package::cc_strip::package(parameters, !core.no_proof)?, folder, core.force)
         }
         Core::Board(board) => (board.package()?, board.folder(), board.force),
     };
@@ -226,6 +223,19 @@ pub struct Settings {
     /// Whether to write into a folder that holds other files.
     pub force: bool,
     pub folder: PathBuf,
+}
+
+impl Settings {
+    /// The core that the options ask for.
+    ///
+    /// # Errors
+    /// Parameters that no core has.
+    pub fn parameters(&self) -> Result<Parameters> {
+        Parameters::new(self.coordinates, self.output_fraction, self.max_level, self.registers.form())?
+            .with_min_level(self.min_level)?
+            .with_precision(self.precision)?
+            .with_chunk(self.chunk)
+    }
 }
 
 impl LoopFd {

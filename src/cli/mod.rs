@@ -24,6 +24,7 @@ pub mod report;
 pub mod shapes;
 pub mod simulate;
 pub mod strip_options;
+pub mod synth;
 pub mod values;
 
 use crate::error::{Kind, Result};
@@ -74,6 +75,7 @@ struct Cli {
 enum Command {
     Simulate(Box<simulate::Args>),
     Generate(Box<generate::Args>),
+    Synth(Box<synth::Args>),
     Explore(Box<explore::Args>),
     Receive(receive::Args),
     Report(report::Args),
@@ -87,6 +89,7 @@ impl Command {
     fn format(&self) -> Format {
         match self {
             Command::Simulate(args) => args.format.format,
+            Command::Synth(args) => args.format(),
             Command::Explore(args) => args.format(),
             Command::Receive(args) => args.format.format,
             Command::Report(args) => args.format(),
@@ -100,6 +103,7 @@ impl Command {
         match self {
             Command::Simulate(args) => simulate::run(args),
             Command::Generate(args) => generate::run(args),
+            Command::Synth(args) => synth::run(args),
             Command::Explore(args) => explore::run(args),
             Command::Receive(args) => receive::run(args),
             Command::Report(args) => report::run(args),

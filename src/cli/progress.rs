@@ -47,6 +47,11 @@ impl Progress {
         self.0.inc(steps);
     }
 
+    /// Says what is being done now.
+    pub fn say(&self, work: impl Into<Cow<'static, str>>) {
+        self.0.set_message(work);
+    }
+
     /// Prints a line above what is shown; it stays.
     pub fn remark(&self, text: impl AsRef<str>) {
         self.0.println(text);

@@ -47,7 +47,7 @@ pub fn build(log_depth: u32, lanes: &[(String, Word)]) -> Result<Rc<Module>> {
 
     // What is decided from the counts is decided a clock ahead and kept in one bit.
     let counted = |name: &str, start: i128, up: &Signal, down: &Signal| {
-        let count = m.register_reset(name, Word::range(0, depth), start);
+        let count = m.register_reset(name, Word::range(0, depth - 1), start);
         m.on(&(up & !down), &count, m.wrap(&count + 1, count.word()));
         m.on(&(!up & down), &count, m.wrap(&count - 1, count.word()));
         count

@@ -94,7 +94,7 @@ impl BuildCache {
 }
 
 /// The hash of named texts: names and lengths are part of it, so that nothing can move between them.
-pub(super) fn hash<'a>(parts: impl IntoIterator<Item = (&'a str, &'a str)>) -> String {
+pub(crate) fn hash<'a>(parts: impl IntoIterator<Item = (&'a str, &'a str)>) -> String {
     let mut hasher = blake3::Hasher::new();
     for (name, text) in parts {
         for piece in [name, text] {
@@ -105,7 +105,8 @@ pub(super) fn hash<'a>(parts: impl IntoIterator<Item = (&'a str, &'a str)>) -> S
     hasher.finalize().to_hex()[..32].to_string()
 }
 
-fn user_cache() -> Option<PathBuf> {
+/// The cache folder of the program.
+pub(crate) fn user_cache() -> Option<PathBuf> {
     let set = |name| std::env::var_os(name).filter(|value| !value.is_empty()).map(PathBuf::from);
     set("SUBDIV_RTL_CACHE")
         .or_else(|| Some(set("XDG_CACHE_HOME")?.join("subdiv-rtl")))

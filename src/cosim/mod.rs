@@ -60,18 +60,20 @@ pub mod loop_bench;
 mod loop_traffic;
 pub mod loop_trial;
 mod outcome;
-mod process;
+pub(crate) mod process;
 mod settings;
 mod stall;
 pub mod strip_bench;
 pub mod strip_lanes;
 mod testbench;
-mod tools;
+pub(crate) mod tools;
 mod vectors;
 mod verdict;
 mod verilator;
 mod work;
 mod workarounds;
+
+pub(crate) use build_cache::{hash, user_cache};
 
 pub use beat::{Beat, Lane, Port};
 pub use builtin::{Builtin, Clocked, Handshake};

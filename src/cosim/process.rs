@@ -27,7 +27,7 @@ const QUESTION: Duration = Duration::from_secs(30);
 ///
 /// [`Kind::ToolMissing`] when it is not installed, [`Kind::ToolFailed`] when it reports a failure (with
 /// the tail of its output) or was stopped after `settings.timeout`.
-pub(super) fn run(line: &[String], folder: &Path, log: &Path, settings: &Settings) -> Result<()> {
+pub(crate) fn run(line: &[String], folder: &Path, log: &Path, settings: &Settings) -> Result<()> {
     let output = File::create(log).map_err(|error| {
         Error::new(Kind::ToolFailed, format!("cannot write a log: {error}")).at(log.display())
     })?;
@@ -48,7 +48,7 @@ pub(super) fn run(line: &[String], folder: &Path, log: &Path, settings: &Setting
 }
 
 /// What a program prints when asked something short, both streams together.
-pub(super) fn ask(line: &[String], settings: &Settings) -> Result<String> {
+pub(crate) fn ask(line: &[String], settings: &Settings) -> Result<String> {
     let cannot = |error: std::io::Error| Error::new(Kind::ToolFailed, error.to_string());
     let mut file = tempfile::tempfile().map_err(cannot)?;
     let output = file.try_clone().map_err(cannot)?;

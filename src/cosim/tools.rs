@@ -12,7 +12,7 @@ use std::fmt;
 use std::path::PathBuf;
 
 /// A version as the tool prints it, compared number by number.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Version(String);
 
 /// What `doctor` shows of one tool.
@@ -155,7 +155,7 @@ fn version(tool: &Tool, settings: &Settings) -> Result<Version> {
 
 impl Version {
     /// The first word that looks like a version: digits, a point, digits (`v3.3`, `0.9+4081`, `12.2.0)`).
-    fn within(text: &str) -> Option<Version> {
+    pub(crate) fn within(text: &str) -> Option<Version> {
         text.split_whitespace().find_map(|word| {
             let word = word.strip_prefix('v').unwrap_or(word);
             let end = word.find(|c: char| !c.is_ascii_digit() && c != '.').unwrap_or(word.len());
@@ -179,7 +179,7 @@ impl fmt::Display for Version {
 }
 
 /// Where a program lies.
-pub(super) fn find(name: &str, settings: &Settings) -> Option<PathBuf> {
+pub(crate) fn find(name: &str, settings: &Settings) -> Option<PathBuf> {
     let path = settings.path.clone().or_else(|| std::env::var_os("PATH"));
     find_in(name, path?)
 }

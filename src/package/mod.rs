@@ -25,7 +25,7 @@ use crate::error::{Error, Kind, Result};
 use crate::files::write_whole;
 use crate::hdl::{Counts, Module};
 
-pub use manifest::Manifest;
+pub use manifest::{Manifest, Port, ports};
 
 /// Everything that is written, by path within the folder.
 #[derive(Clone, Debug)]

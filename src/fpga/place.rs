@@ -1,0 +1,69 @@
+//! Place and route, by nextpnr.
+//!
+//! The clock is that of a real design with four pins. Out of context, as nextpnr can also place, clocks would not go
+//! over the global net.
+
+use super::cache::Cache;
+use super::device::{Device, Family};
+use super::run::{Progress, Stage, run};
+use super::synthesis::Synthesised;
+use super::timing::Timing;
+use super::tools::Tool;
+use crate::cosim::{Settings, hash};
+use crate::error::{Error, Kind, Result};
+
+/// One of the runs that differ in their luck.
+#[derive(Clone, Copy, Debug)]
+pub struct Run {
+    pub seed: u32,
+    /// The clock that is asked for.
+    pub target_mhz: f64,
+}
+
+/// Places and routes; the same netlist, seed and version give the same result.
+///
+/// # Errors
+/// `ToolFailed`, with the last lines of what nextpnr said: often that the device is full.
+pub fn place(
+    design: &Synthesised,
+    device: &Device,
+    how: Run,
+    placer: &Tool,
+    settings: &Settings,
+    cache: &Cache,
+    progress: Progress,
+) -> Result<Timing> {
+    let words = arguments(device, how);
+    let netlist = design.netlist.text()?;
+    let said = words.join(" ");
+    let parts = [("nextpnr", placer.version.as_str()), ("arguments", &said), ("netlist", &netlist)];
+    let hash = hash(parts);
+    if let Some(text) = cache.find("placed", &hash) {
+        return Timing::parse(&text);
+    }
+    let failed = |what: String| Error::new(Kind::ToolFailed, what);
+    let folder = tempfile::tempdir().map_err(|e| failed(format!("no temporary folder: {e}")))?;
+    std::fs::write(folder.path().join("netlist.json"), netlist)
+        .map_err(|e| failed(format!("cannot write the netlist: {e}")))?;
+    let line: Vec<String> = [placer.program.clone()].into_iter().chain(words).collect();
+    run(&line, folder.path(), Stage::Placement, settings, progress)?;
+    let text = std::fs::read(folder.path().join("report.json"))
+        .map_err(|e| failed(format!("nextpnr left no report: {e}")))?;
+    let timing = Timing::parse(&text)?;
+    cache.keep("placed", &hash, &text)?;
+    Ok(timing)
+}
+
+/// All arguments of nextpnr.
+fn arguments(device: &Device, Run { seed, target_mhz }: Run) -> Vec<String> {
+    let mut words: Vec<String> = device.arguments.iter().map(|word| word.to_string()).collect();
+    let more = ["--json", "netlist.json", "--report", "report.json", "--timing-allow-fail"];
+    words.extend(more.map(String::from));
+    words.extend(["--freq".into(), target_mhz.to_string(), "--seed".into(), seed.to_string()]);
+    match device.family {
+        Family::Ecp5 => words.push("--lpf-allow-unconstrained".into()),
+        Family::Ice40 => words.push("--pcf-allow-unconstrained".into()),
+        Family::Gowin | Family::Nexus => {}
+    }
+    words
+}

@@ -1,0 +1,65 @@
+//! Synthesis: Verilog of the core and its harness to a netlist, by Yosys.
+//!
+//! The core is flattened into one module, which keeps its place in the harness, so that its cells are counted apart.
+
+use super::cache::Cache;
+use super::device::Device;
+use super::harness;
+use super::netlist::Netlist;
+use super::run::{Progress, Stage, run};
+use super::tidy::{Tidied, tidy};
+use super::tools::Tool;
+use crate::cosim::{Settings, hash};
+use crate::error::{Error, Kind, Result};
+use crate::hdl::verilog::SourceFile;
+
+/// A netlist with the harness on top, ready to be placed.
+#[derive(Clone, Debug)]
+pub struct Synthesised {
+    pub netlist: Netlist,
+    pub tidied: Tidied,
+}
+
+/// Synthesises; the same sources, device and version give the same netlist.
+///
+/// # Errors
+/// `ToolFailed`, with the last lines of what Yosys said.
+pub fn synthesise(
+    sources: &[SourceFile],
+    device: &Device,
+    yosys: &Tool,
+    settings: &Settings,
+    cache: &Cache,
+    progress: Progress,
+) -> Result<Synthesised> {
+    let names: Vec<&str> = sources.iter().map(|source| source.name.as_str()).collect();
+    let command = device.synthesis();
+    let script = format!(
+        "read_verilog {}; {command} -top {}; write_json netlist.json",
+        names.join(" "),
+        harness::NAME
+    );
+    let texts = sources.iter().map(|source| (source.name.as_str(), source.text.as_str()));
+    let hash = hash([("yosys", yosys.version.as_str()), ("script", &script)].into_iter().chain(texts));
+    let text = match cache.find("netlist", &hash) {
+        Some(text) => text,
+        None => {
+            let folder = tempfile::tempdir()
+                .map_err(|e| Error::new(Kind::ToolFailed, format!("no temporary folder: {e}")))?;
+            for source in sources {
+                std::fs::write(folder.path().join(&source.name), &source.text).map_err(|e| {
+                    Error::new(Kind::ToolFailed, format!("cannot write {}: {e}", source.name))
+                })?;
+            }
+            let line = [yosys.program.as_str(), "-q", "-p", &script].map(String::from);
+            run(&line, folder.path(), Stage::Synthesis, settings, progress)?;
+            let text = std::fs::read(folder.path().join("netlist.json"))
+                .map_err(|e| Error::new(Kind::ToolFailed, format!("Yosys left no netlist: {e}")))?;
+            cache.keep("netlist", &hash, &text)?;
+            text
+        }
+    };
+    let mut netlist = Netlist::parse(&text)?;
+    let tidied = tidy(device.family, &mut netlist);
+    Ok(Synthesised { netlist, tidied })
+}
