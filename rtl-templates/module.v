@@ -13,7 +13,8 @@
 
 `default_nettype none
 
-module {{ name }} (
+{% if separate %}(* keep_hierarchy *)
+{% endif %}module {{ name }} (
 {%- for port in ports %}
     {{ port }}
 {%- endfor %}

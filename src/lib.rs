@@ -26,6 +26,7 @@
 //! | [`cosim`] | stimulus, drivers of every simulator, comparison, verdict | all above |
 //! | [`package`] | a core as files: Verilog, testbench, FuseSoC, manifest | all above |
 //! | [`fpga`] | synthesis, place and route, their reports | `hdl`, `package`, running tools as `cosim` does |
+//! | [`board`] | a core with a mesh on a board: contents, frame, clock, project | all above |
 //! | [`explore`] | sweeps over number formats, their bounds and costs, the Pareto front | all above |
 //! | [`report`] | tables and pictures | plain data |
 //! | [`cli`] | one file for each subcommand | all above |
@@ -33,6 +34,7 @@
 //! `model` never uses `hdl` or `cores`, and those never use `model`: both sides are written from the same
 //! mathematics by different means, so that a mistake in one shows. Tests guard that.
 
+pub mod board;
 pub mod cli;
 pub mod cores;
 pub mod cosim;

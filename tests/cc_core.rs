@@ -40,6 +40,11 @@ fn variants(levels: u32) -> Vec<Parameters> {
     ] {
         all.push(Parameters { schedule, folded, ..exact(levels) });
         let rows: Vec<u32> = [2, 4, 8].into_iter().filter(|rows| *rows <= 1 << levels).collect();
+        if schedule == Schedule::Pipelined && !folded {
+            let registered =
+                |rows_per_clock| Parameters { registered: true, rows_per_clock, ..exact(levels) };
+            all.extend([None, Some(2), Some(4)].map(registered));
+        }
         if schedule != Schedule::Double {
             all.extend(rows.into_iter().map(|r| Parameters {
                 schedule,

@@ -153,6 +153,15 @@ fn cases() -> Vec<Parameters> {
         Parameters { precision: Precision::Guard(3), rounding: Rounding::HalfEven, ..exact },
         Parameters { precision: Precision::Guard(1), rounding: Rounding::Floor, ..exact },
         Parameters { precision: Precision::Guard(2), rounding: Rounding::Truncate, folded: true, ..exact },
+        Parameters { registered: true, levels: 4, max_valence: 9, ..exact },
+        Parameters {
+            registered: true,
+            precision: Precision::Guard(3),
+            rounding: Rounding::Truncate,
+            ..exact
+        },
+        Parameters { registered: true, precision: Precision::Guard(4), rounding: Rounding::Floor, ..rows(2) },
+        Parameters { registered: true, max_valence: 4, levels: 2, output_fraction: 5, ..exact },
         Parameters { limit: true, ..exact },
         Parameters { limit: true, output_fraction: 3, normals: normals(Kind::Faces, None), ..exact },
         Parameters { normals: normals(Kind::Limit, Some(12)), schedule: Schedule::Shared, ..exact },

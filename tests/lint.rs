@@ -100,9 +100,13 @@ fn cc_strip_is_silent() {
         ("Q2.14", 14, 3, 10, cc_strip::Precision::Guard(4), 29, Schedule::Pipelined, true, None),
         ("Q4.8", 8, 3, 5, cc_strip::Precision::Exact, 25, Schedule::Shared, false, Some(2)),
         ("Q4.8", 8, 3, 4, cc_strip::Precision::Guard(3), 25, Schedule::Pipelined, false, Some(4)),
+        ("Q4.8", 8, 3, 5, cc_strip::Precision::Guard(4), 25, Schedule::Pipelined, false, Some(2)),
+        ("Q4.8", 8, 3, 4, cc_strip::Precision::Exact, 25, Schedule::Pipelined, false, None),
     ];
-    for (coordinates, output_fraction, levels, max_valence, precision, table_bits, schedule, folded, rows) in
-        cases
+    for (
+        nth,
+        (coordinates, output_fraction, levels, max_valence, precision, table_bits, schedule, folded, rows),
+    ) in cases.into_iter().enumerate()
     {
         let coordinates = coordinates.parse().expect("a format");
         let parameters = cc_strip::Parameters {
@@ -112,6 +116,7 @@ fn cc_strip_is_silent() {
             schedule,
             folded,
             rows_per_clock: rows,
+            registered: nth >= 6,
             ..cc_strip::Parameters::exact(coordinates, levels, max_valence)
         };
         let what = format!("{parameters:?}");

@@ -3,6 +3,7 @@
 //! The arguments and the configuration file become [`Settings`]; what is not said has a default.
 
 use super::{
+    board,
     config::Config,
     output,
     progress::Progress,
@@ -28,6 +29,7 @@ pub struct Args {
 pub enum Core {
     LoopFd(LoopFd),
     CcStrip(CcStrip),
+    Board(Box<board::Args>),
 }
 
 /// The sliding window for quad strips of Catmull-Clark surfaces
@@ -128,6 +130,11 @@ pub struct LoopFd {
     #[arg(long, value_name = "COUNT")]
     pub registers: Option<Registers>,
 
+    /// Emit wide adders in chunks of this many bits, each a clock behind the one below: the carry no longer limits
+    /// the clock
+    #[arg(long, value_name = "BITS", value_parser = clap::value_parser!(u32).range(4..=128))]
+    pub chunk: Option<u32>,
+
     #[command(flatten)]
     pub numbers: Numbers,
 
@@ -168,6 +175,7 @@ where core.toml has any of these lines:
   fraction = 17                # or fractions = \"8,12,14,17,18\"
   rounding = \"half-up\"
   saturate = false
+  chunk = 14
   proof = true
   output = \"rtl/loop-fd\"     # from the folder of the configuration";
 
@@ -189,6 +197,7 @@ pub fn run(args: &Args) -> Result<()> {
             let _shown = working(!core.no_proof);
             (package::cc_strip::package(parameters, !core.no_proof)?, folder, core.force)
         }
+        Core::Board(board) => (board.package()?, board.folder(), board.force),
     };
     package.write(&folder, force)?;
     let paths = package.files.iter().map(|(path, _)| format!("{}\n", folder.join(path).display()));
@@ -208,6 +217,7 @@ pub struct Settings {
     pub min_level: u32,
     pub registers: Registers,
     pub precision: Precision,
+    pub chunk: Option<u32>,
     /// Whether to prove the core before it is written.
     pub proof: bool,
     /// Whether to write into a folder that holds other files.
@@ -223,7 +233,8 @@ impl Settings {
     pub fn parameters(&self) -> Result<Parameters> {
         Parameters::new(self.coordinates, self.output_fraction, self.max_level, self.registers.form())?
             .with_min_level(self.min_level)?
-            .with_precision(self.precision)
+            .with_precision(self.precision)?
+            .with_chunk(self.chunk)
     }
 }
 
@@ -233,7 +244,7 @@ impl LoopFd {
     /// # Errors
     /// Those of the configuration file.
     pub fn settings(&self) -> Result<Settings> {
-        const KEYS: [&str; 11] = [
+        const KEYS: [&str; 12] = [
             "coordinates",
             "output-fraction",
             "max-level",
@@ -243,6 +254,7 @@ impl LoopFd {
             "fractions",
             "rounding",
             "saturate",
+            "chunk",
             "proof",
             "output",
         ];
@@ -278,6 +290,11 @@ impl LoopFd {
             min_level: or_file(self.min_level, file, whole("min-level", FINEST_LEVEL))?.unwrap_or(0),
             registers: or_file(self.registers, file, registers)?.unwrap_or_default(),
             precision: numbers.precision()?,
+            chunk: or_file(self.chunk, file, |file| {
+                file.whole("chunk", "4 to 128", |bits| {
+                    u32::try_from(bits).ok().filter(|b| (4..=128).contains(b))
+                })
+            })?,
             proof: or_file(proof, file, |file| file.truth("proof"))?.unwrap_or(true),
             force: self.force,
             folder: or_file(self.output.clone(), file, |file| file.path("output"))?
@@ -334,6 +351,7 @@ mod tests {
                 min_level,
                 registers,
                 precision,
+                chunk: None,
                 proof,
                 force,
                 folder

@@ -10,6 +10,7 @@
 //! Results go to standard output, everything else to standard error; progress only to a terminal. The exit
 //! status is 0 when all is well, else the kind of the error (see [`crate::Kind`]).
 
+pub mod board;
 pub mod completions;
 pub mod config;
 pub mod doctor;
@@ -18,6 +19,7 @@ mod failure;
 pub mod generate;
 pub mod output;
 pub mod progress;
+pub mod receive;
 pub mod report;
 pub mod shapes;
 pub mod simulate;
@@ -75,6 +77,7 @@ enum Command {
     Generate(Box<generate::Args>),
     Synth(Box<synth::Args>),
     Explore(Box<explore::Args>),
+    Receive(receive::Args),
     Report(report::Args),
     Shapes(shapes::Args),
     Doctor(doctor::Args),
@@ -88,6 +91,7 @@ impl Command {
             Command::Simulate(args) => args.format.format,
             Command::Synth(args) => args.format(),
             Command::Explore(args) => args.format(),
+            Command::Receive(args) => args.format.format,
             Command::Report(args) => args.format(),
             Command::Shapes(args) => args.format.format,
             Command::Doctor(args) => args.format.format,
@@ -101,6 +105,7 @@ impl Command {
             Command::Generate(args) => generate::run(args),
             Command::Synth(args) => synth::run(args),
             Command::Explore(args) => explore::run(args),
+            Command::Receive(args) => receive::run(args),
             Command::Report(args) => report::run(args),
             Command::Shapes(args) => shapes::run(args),
             Command::Doctor(args) => doctor::run(args),

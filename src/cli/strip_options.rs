@@ -18,6 +18,10 @@ pub struct StripUnits {
     /// Make a column in slices of this many rows a clock, for small devices: 2, 4, 8, ... [default: whole columns]
     #[arg(long, value_name = "N")]
     pub rows_per_clock: Option<u32>,
+
+    /// A register behind every adder, for a high clock; control runs ahead of the data
+    #[arg(long)]
+    pub registered: bool,
 }
 
 /// What leaves the strip core.
@@ -61,6 +65,7 @@ impl StripUnits {
             schedule: self.schedule.into(),
             folded: self.fold,
             rows_per_clock: self.rows_per_clock,
+            registered: self.registered,
             ..parameters
         }
     }

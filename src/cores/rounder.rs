@@ -21,7 +21,13 @@ use crate::hdl::{Builder, Module, Relation, Signal, Word};
 /// Inputs: `numerator`, and `valid`, which says when it means anything. Output: `rounded`.
 /// Whenever `valid` is 1 the numerator lies within 3 * 2^`shift` times the range of the result; that is
 /// the claim to be proved.
-pub fn build(modulus: u32, shift: u32, result: Range, fraction: u32) -> Result<Rc<Module>> {
+pub fn build(
+    modulus: u32,
+    shift: u32,
+    result: Range,
+    fraction: u32,
+    division: Division,
+) -> Result<Rc<Module>> {
     let m = Builder::new("rounder");
     m.purpose(format!(
         "rounded = floor(numerator / (3 * 2^{shift}) + 1/2), correctly rounded for every numerator"
@@ -42,9 +48,21 @@ pub fn build(modulus: u32, shift: u32, result: Range, fraction: u32) -> Result<R
     let bias = 3 * -result.min;
     let biased = m.pipe("biased", &exact + ((3i128 << shift >> 1) + (bias << shift)));
     let dividend = m.wire("dividend", m.round(&biased, shift, Rounding::Floor));
-    let quotient = third(&m, &dividend);
+    let quotient = match division {
+        Division::Reciprocal => third(&m, &dividend),
+        Division::Digits => third_by_digits(&m, &dividend),
+    };
     m.output("rounded", m.pipe("rounded", &quotient - (-result.min)));
     m.finish()
+}
+
+/// How a division by 3 is done. Both give the same quotient of every dividend.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Division {
+    /// Multiplication by the reciprocal, which the proof by linear forms follows.
+    Reciprocal,
+    /// Long division in base 4: of the carry so far and a digit, four LUTs make the next carry and digit.
+    Digits,
 }
 
 /// A rounder of exact differences to a word of a reduced format.
@@ -131,6 +149,47 @@ fn third(m: &Builder, x: &Signal) -> Signal {
     let ones = repeated(m, x, (k - 1) / 2, &mut BTreeMap::new());
     let product = m.pipe("product", x + 2 * &ones);
     m.rescale(&m.round(&product, k, Rounding::Floor), x.word().fraction)
+}
+
+/// floor(x / 3) for 0 <= x by long division, two digits of base 4 a clock, the highest first.
+///
+/// ```text
+///   4 rest + digit = 3 quotient digit + next rest,  0 <= rest <= 2
+/// ```
+fn third_by_digits(m: &Builder, x: &Signal) -> Signal {
+    let digits = x.width().div_ceil(2);
+    let bits = m.wrap(x, Word::unsigned(2 * digits));
+    let digit = |of: &Signal, place: u32| m.slice(of, 2 * place, 2);
+    // The places of the partial dividend that are still to come, the rest, and the quotient's digits so far.
+    let (mut open, mut rest, mut quotient) = (bits, m.constant(0, Word::unsigned(2)), None::<Signal>);
+    let mut left = digits;
+    while left > 0 {
+        let now = left.min(2);
+        for place in (left - now..left).rev() {
+            let dividend = m.concat(&[&rest, &digit(&open, place)]);
+            let one_of = |list: &[i128]| {
+                let all: Vec<Signal> = list.iter().map(|&value| m.is(&dividend, value)).collect();
+                m.any(&all.iter().collect::<Vec<_>>())
+            };
+            rest = m.concat(&[&one_of(&[2, 5, 8, 11]), &one_of(&[1, 4, 7, 10])]);
+            let next = [one_of(&[6, 7, 8, 9, 10, 11]), one_of(&[3, 4, 5, 9, 10, 11])];
+            let parts: Vec<&Signal> = quotient.iter().chain(&next).collect();
+            quotient = Some(m.concat(&parts));
+        }
+        left -= now;
+        let stage = |name: &str, of: &Signal| m.pipe(format!("{name}_{left}"), of);
+        rest = stage("rest", &rest);
+        quotient = quotient.map(|quotient| stage("quotient", &quotient));
+        if left > 0 {
+            open = stage("digits", &m.slice(&open, 0, 2 * left));
+        }
+    }
+    let range = Range::new(0, x.word().range.max / 3);
+    let quotient = quotient.unwrap_or(rest);
+    m.wrap(
+        &m.rescale(&quotient, x.word().fraction),
+        Word { range, fraction: x.word().fraction, modular: false },
+    )
 }
 
 /// x * (1 + 4 + ... + 4^(count-1)): the sum of the largest power of two of digits below, and of the rest.

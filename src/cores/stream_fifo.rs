@@ -13,11 +13,19 @@
 use std::rc::Rc;
 
 use crate::error::Result;
-use crate::hdl::{Builder, Module, Relation, Word};
+use crate::hdl::{Builder, Module, Relation, Signal, Word};
+
+/// Words that may have been issued when the count of credits does not show it yet: one is in the register before
+/// `issue`, one in the register of `has_room`.
+const UNSEEN: i128 = 2;
+
+/// Clocks from the decision to issue to the credit's return, beside those of the pipeline, and the words that are
+/// never used: a FIFO this much deeper than its pipeline keeps it busy.
+pub const OVERHEAD: u32 = 10;
 
 /// A FIFO of 2^`log_depth` words made of `lanes`.
 ///
-/// Inputs: `issue` (a word enters the pipeline), `push` and the lanes (a word leaves it), `ready`.
+/// Inputs: `issue` (a word entered the pipeline in the clock before), `push` and the lanes (a word leaves it), `ready`.
 /// Outputs: `has_room` (one more may be issued), `valid` and the lanes.
 pub fn build(log_depth: u32, lanes: &[(String, Word)]) -> Result<Rc<Module>> {
     let m = Builder::new("stream_fifo");
@@ -29,7 +37,7 @@ pub fn build(log_depth: u32, lanes: &[(String, Word)]) -> Result<Rc<Module>> {
     let pointer = Word::unsigned(log_depth);
     let [written, read] = ["written", "read"].map(|name| m.register_reset(name, pointer, 0));
     let valid = m.register_reset("valid", Word::bit(), 0);
-    let filled = m.compare(Relation::NotEqual, &written, &read);
+    let filled = m.register_reset("filled", Word::bit(), 0);
     let take = m.wire("take", &filled & &(!&valid | &ready));
 
     m.on(&push, &written, m.wrap(&written + 1, pointer));
@@ -37,12 +45,24 @@ pub fn build(log_depth: u32, lanes: &[(String, Word)]) -> Result<Rc<Module>> {
     m.on(&take, &valid, m.bit(true));
     m.on(&ready, &valid, m.bit(false));
 
+    // What is decided from the counts is decided a clock ahead and kept in one bit.
+    let counted = |name: &str, start: i128, up: &Signal, down: &Signal| {
+        let count = m.register_reset(name, Word::range(0, depth), start);
+        m.on(&(up & !down), &count, m.wrap(&count + 1, count.word()));
+        m.on(&(!up & down), &count, m.wrap(&count - 1, count.word()));
+        count
+    };
+    let stored = counted("stored", 0, &push, &take);
+    let at_least = |count: &Signal, least: i128| {
+        m.compare(Relation::LessOrEqual, m.constant(least, Word::range(0, least)), count)
+    };
+    m.always(&filled, m.wire("stays_filled", &at_least(&stored, 2) | &(&at_least(&stored, 1) & !&take)));
+
     // All words of the RAM but one: a full RAM would look like an empty one.
-    let credits = m.register_reset("credits", Word::range(0, depth - 1), depth - 1);
-    let credit_word = credits.word();
-    m.on(&(&issue & !&take), &credits, m.wrap(&credits - 1, credit_word));
-    m.on(&(!&issue & &take), &credits, m.wrap(&credits + 1, credit_word));
-    m.output("has_room", m.wire("has_room", m.is_not(&credits, 0)));
+    let credits = counted("credits", depth - 1, &take, &issue);
+    let has_room = m.register_reset("has_room", Word::bit(), 0);
+    m.always(&has_room, at_least(&credits, UNSEEN + 1));
+    m.output("has_room", &has_room);
 
     m.output("valid", &valid);
     for ((name, word), input) in lanes.iter().zip(&inputs) {

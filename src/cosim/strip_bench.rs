@@ -9,6 +9,7 @@ use std::rc::Rc;
 
 use super::core::port;
 use super::strip_lanes::Lanes;
+use crate::cores::cc_strip::buffered::{LEAVES, ROUNDING};
 use crate::cores::cc_strip::finish::Kind;
 use crate::cores::cc_strip::{Parameters, Precision, Role, Schedule};
 use crate::cosim::{Beat, Port, Stimulus};
@@ -142,7 +143,20 @@ pub fn protocol(core: &Module, parameters: Parameters) -> cc_strip_clocks::Core 
         folded: parameters.folded,
         rows_per_clock: parameters.rows_per_clock,
         finish: parameters.finish().map(|_| stages.count() as u32),
+        buffer: buffer(core),
     }
+}
+
+/// The buffer of a registered core: its depth, and how far each level's data are behind their control.
+fn buffer(core: &Module) -> Option<cc_strip_clocks::Buffer> {
+    let placed = core.instances.iter().find(|instance| instance.name == "flags_buffer")?;
+    let delay = |level: usize| {
+        let name = format!("{LEAVES}{level}");
+        let flag = core.nodes.iter().find(|node| node.name.as_deref() == Some(&name));
+        flag.and_then(|flag| flag.time).map_or(0, |time| time + ROUNDING)
+    };
+    let delays = [1, 2, 3, 4, 5, 6, 7].map(delay);
+    Some(cc_strip_clocks::Buffer { delays, words: placed.module.memories.first()?.depth })
 }
 
 /// The words of a strip, column by column.

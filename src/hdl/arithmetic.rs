@@ -57,8 +57,12 @@ impl Builder {
             }
         }
         let coefficients = sum.terms.iter().map(|(c, _)| *c);
-        let words = signals.iter().map(Signal::word);
-        let modulus = words.filter(|w| w.modular).map(Word::width).chain(modulus).min();
+        // A modular word times 2^t is known modulo 2^t as much; no sum is wider than its widest operand for that.
+        let modular =
+            || coefficients.clone().zip(&signals).map(|(c, s)| (c, s.word())).filter(|(_, w)| w.modular);
+        let widest = modular().map(|(_, word)| word.width()).max();
+        let known = modular().map(|(c, word)| word.width() + c.trailing_zeros());
+        let modulus = known.chain(widest).chain(modulus).min();
         let terms = coefficients.clone().zip(&signals).flat_map(|(c, s)| digits(c, s)).collect();
         let cell = Cell::Sum { terms, constant: sum.constant };
         if let Some(width) = modulus {

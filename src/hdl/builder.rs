@@ -36,11 +36,13 @@ impl Builder {
             name: name.into(),
             purpose: vec![],
             parameters: vec![],
+            separate: false,
             nodes: vec![],
             inputs: vec![],
             outputs: vec![],
             buses: vec![],
             memories: vec![],
+            copies: Default::default(),
             instances: vec![],
         };
         Builder(Rc::new(RefCell::new(State {
@@ -66,6 +68,12 @@ impl Builder {
     /// A parameter that was fixed when the module was generated.
     pub fn parameter(&self, name: &str, value: impl ToString) {
         self.0.borrow_mut().module.parameters.push((name.into(), value.to_string()));
+    }
+
+    /// Asks synthesis to leave each instance a module of its own: registers that do the same in several instances
+    /// stay apart, and each drives only cells nearby.
+    pub fn separate(&self) {
+        self.0.borrow_mut().module.separate = true;
     }
 
     #[track_caller]

@@ -32,6 +32,7 @@ mod machine;
 mod module;
 mod names;
 pub mod simulate;
+pub mod skew;
 mod state;
 mod stream;
 pub mod vcd;

@@ -15,6 +15,8 @@ pub struct Memory {
     /// What it holds before the first clock; a memory that is never written is a ROM.
     pub contents: Vec<i128>,
     pub write: Option<MemoryWrite>,
+    /// To be made of lookup tables, not of block RAM.
+    pub distributed: bool,
 }
 
 /// At a rising clock edge where `enable` is 1, `data` goes to `address`.
@@ -84,12 +86,16 @@ pub struct Module {
     /// What it is for, line by line: the head of the emitted file.
     pub purpose: Vec<String>,
     pub parameters: Vec<(String, String)>,
+    /// Whether synthesis is asked to leave it a module, so that its registers are not shared with other instances.
+    pub separate: bool,
     pub nodes: Vec<Node>,
     pub inputs: Vec<NodeId>,
     pub outputs: Vec<Output>,
     pub buses: Vec<Bus>,
     pub memories: Vec<Memory>,
     pub instances: Vec<Instance>,
+    /// Registers that synthesis is not to merge with others of the same value.
+    pub copies: std::collections::BTreeSet<NodeId>,
 }
 
 impl Module {

@@ -135,6 +135,19 @@ impl Builder {
         register
     }
 
+    /// A pipeline stage of its own, where one register could not reach all that read it within a clock: synthesis
+    /// is told not to merge it with others that take the same value.
+    #[track_caller]
+    pub fn copy(&self, name: impl Into<String>, value: impl Into<Expr>) -> Signal {
+        self.unmerged(self.pipe(name, value))
+    }
+
+    /// The register, which synthesis is told not to merge with others.
+    pub fn unmerged(&self, register: Signal) -> Signal {
+        self.0.borrow_mut().module.copies.insert(register.id);
+        register
+    }
+
     /// A pipeline stage that takes `reset` while the reset is active.
     #[track_caller]
     pub fn pipe_reset(&self, name: impl Into<String>, value: impl Into<Expr>, reset: i128) -> Signal {
@@ -175,7 +188,11 @@ impl Builder {
             };
             // The constant goes in with the last adder but one operand, where it is free of its own.
             let last = open.is_empty();
+            // Two operands to be subtracted are added, and their sum is subtracted later.
+            let negative = |sum: &Sum| sum.terms.iter().all(|(coefficient, _)| *coefficient < 0);
+            let later = !last && negative(&a) && b.as_ref().is_some_and(negative);
             let mut sum = match b {
+                Some(b) if later => -a - b,
                 Some(b) => a + b,
                 None => a,
             };
@@ -187,7 +204,8 @@ impl Builder {
                 return part;
             }
             number += 1;
-            open.push((Sum::from(&part), part.time().unwrap_or(0)));
+            let sum = if later { -&part } else { Sum::from(&part) };
+            open.push((sum, part.time().unwrap_or(0)));
         }
     }
 
@@ -208,7 +226,8 @@ impl Builder {
             let source = self.delay(&Signal { builder: self.clone(), id: of }, clocks);
             let mut cell = signal.cell();
             cell.visit_mut(|id| *id = source.id);
-            return self.add(cell, signal.word(), source.time());
+            // Its own time, which a restart has set.
+            return self.add(cell, signal.word(), signal.time().map(|time| time + clocks));
         }
         let known = self.0.borrow().delays.get(&signal.id).copied();
         let next = match known {
@@ -254,7 +273,7 @@ impl Builder {
                     .help("give it more or wider words")
             });
         }
-        let memory = Memory { name: name.into(), depth, word, contents, write: None };
+        let memory = Memory { name: name.into(), depth, word, contents, write: None, distributed: false };
         MemoryHandle { index: self.add_memory(memory), word, builder: self.clone() }
     }
 }
@@ -273,6 +292,12 @@ pub struct MemoryHandle {
 }
 
 impl MemoryHandle {
+    /// The same memory made of lookup tables: a block RAM is slower to read.
+    pub fn distributed(self) -> Self {
+        self.builder.0.borrow_mut().module.memories[self.index].distributed = true;
+        self
+    }
+
     /// The write port: at an edge where `enable` is 1, `data` goes to `address`. Signals that come early wait for
     /// the others.
     #[track_caller]

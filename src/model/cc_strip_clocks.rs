@@ -14,8 +14,12 @@
 //! - A level may send when the one behind it has nothing to send (within a unit), is ready as level 0 is for
 //!   words (between units), or the output register is free (from the level of the strip).
 //! - Guards reach the output too, and are not kept.
+//! - A registered core sends into a buffer whose room is known a clock late; what is sent comes there, and counts,
+//!   later still. All is settled when every place of the buffer is free again.
 //! - A strip of another level than the one before waits until no level has anything to send, and the finishing
 //!   stage is empty.
+
+use std::collections::VecDeque;
 
 use super::cc_strip::schedule::Schedule;
 
@@ -29,6 +33,66 @@ pub struct Core {
     pub rows_per_clock: Option<u32>,
     /// Clocks of the finishing stage behind the finest level's window, where there is one.
     pub finish: Option<u32>,
+    /// The buffer of a registered core.
+    pub buffer: Option<Buffer>,
+}
+
+/// A buffer behind a pipeline of known depth.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Buffer {
+    /// Clocks from the control of level l to the buffer, for l = 1, 2, ...
+    pub delays: [u32; 7],
+    pub words: u32,
+}
+
+impl Buffer {
+    /// Free places at which no more is sent.
+    const RESERVE: u32 = 3;
+}
+
+/// What is in a buffer and on its way there.
+struct Buffered {
+    way: VecDeque<bool>,
+    stored: u32,
+    standing: bool,
+    free: u32,
+    issued: bool,
+    taken: bool,
+    room: bool,
+    empty: bool,
+}
+
+impl Buffered {
+    fn new(words: u32) -> Buffered {
+        let way = VecDeque::new();
+        Buffered {
+            way,
+            stored: 0,
+            standing: false,
+            free: words,
+            issued: false,
+            taken: false,
+            room: true,
+            empty: true,
+        }
+    }
+
+    /// A strip of another level comes when nothing is on the way.
+    fn set_delay(&mut self, clocks: u32) {
+        self.way = vec![false; clocks as usize].into();
+    }
+
+    fn clock(&mut self, issue: bool, ready: bool, words: u32) {
+        let take = self.stored > 0 && (!self.standing || ready);
+        self.standing = self.stored > 0 || (self.standing && !ready);
+        self.way.push_front(issue);
+        let push = self.way.pop_back().unwrap_or(false);
+        self.stored = self.stored + u32::from(push) - u32::from(take);
+        self.room = self.free > Buffer::RESERVE;
+        self.empty = self.free == words && !self.issued && !issue;
+        self.free = self.free + u32::from(self.taken) - u32::from(self.issued);
+        (self.issued, self.taken) = (issue, take);
+    }
 }
 
 /// One strip of the input.
@@ -121,6 +185,9 @@ struct Machine {
     /// The finishing stage: whether its window's middle column waits, how old the window is, its pipeline.
     finishing: (bool, u32),
     pipeline: Vec<bool>,
+    buffered: Option<Buffered>,
+    /// Of a registered core: all was settled a clock ago, and nothing came in.
+    was_idle: bool,
 }
 
 impl Machine {
@@ -148,7 +215,18 @@ impl Machine {
         }
         levels[count - 1].double = core.schedule == Schedule::Double;
         let pipeline = vec![false; core.finish.unwrap_or(1) as usize];
-        Machine { core, levels, units, wanted: 0, dropping: false, finishing: (false, 0), pipeline }
+        let buffered = core.buffer.map(|buffer| Buffered::new(buffer.words));
+        Machine {
+            core,
+            levels,
+            units,
+            wanted: 0,
+            dropping: false,
+            finishing: (false, 0),
+            pipeline,
+            buffered,
+            was_idle: true,
+        }
     }
 
     /// Output beats of a strip.
@@ -162,13 +240,19 @@ impl Machine {
     }
 
     fn output(&self) -> bool {
+        if let Some(buffered) = &self.buffered {
+            return buffered.standing;
+        }
         self.pipeline[self.pipeline.len() - 1]
     }
 
     /// One clock; returns whether the offered word was taken.
     fn clock(&mut self, offered: Option<Word>, ready: bool) -> bool {
         let advance = !self.output() || ready;
-        let output_ready = advance || (self.core.finish.is_some() && !self.finishing.0);
+        let output_ready = match &self.buffered {
+            Some(buffered) => buffered.room,
+            None => advance || (self.core.finish.is_some() && !self.finishing.0),
+        };
         // Who sends, from the output backwards; and what that means for the one before.
         let mut serves: Vec<Option<usize>> = vec![];
         let mut next_ready = false;
@@ -184,21 +268,26 @@ impl Machine {
             let serve = range.clone().rev().find(can);
             let first = range.start;
             let ends = serve == Some(first) && slice + 1 == self.levels[first].slices;
-            next_ready = self.levels[first].columns == 0 || (ends && self.levels[first].columns == 1);
+            // A registered core sees the end of a column in time only where that leaves, and not in front.
+            let seen = self.core.buffer.is_none() || (first > 0 && first + 1 == self.wanted);
+            next_ready = self.levels[first].columns == 0 || (ends && self.levels[first].columns == 1 && seen);
             serves.push(serve);
         }
         serves.reverse();
         // The finishing stage looks at the level all the way through.
         let stage = self.core.finish.is_some() && (self.finishing.0 || self.pipeline.contains(&true));
-        let idle = self.levels.iter().all(|level| level.columns == 0) && !stage;
+        let empty = self.buffered.as_ref().is_none_or(|buffered| buffered.empty);
+        let idle = self.levels.iter().all(|level| level.columns == 0) && !stage && empty;
+        let settles = if self.core.buffer.is_some() { self.was_idle } else { idle };
 
         let word = offered.filter(|word| {
             let dropped = self.dropping || (word.first && (word.level == 0 || word.level > self.core.levels));
-            let settled = !word.first || word.level as usize == self.wanted || idle;
+            let settled = !word.first || word.level as usize == self.wanted || settles;
             dropped || (next_ready && settled)
         });
 
         // The edge.
+        self.was_idle = idle;
         let (mut reaches, mut arrivals) = (None, vec![]);
         for (unit, serve) in serves.iter().enumerate() {
             let Some(level) = *serve else { continue };
@@ -224,13 +313,17 @@ impl Machine {
         for (level, arrival) in arrivals {
             self.levels[level].arrives(arrival);
         }
-        self.finish(reaches, advance);
+        self.finish(reaches, advance, ready);
         if let Some(word) = word {
             let dropped = self.dropping || (word.first && (word.level == 0 || word.level > self.core.levels));
             self.dropping = dropped && !word.last;
+            self.was_idle &= dropped;
             if !dropped {
-                if word.first {
+                if word.first && self.wanted != word.level as usize {
                     self.wanted = word.level as usize;
+                    if let (Some(buffered), Some(buffer)) = (&mut self.buffered, self.core.buffer) {
+                        buffered.set_delay(buffer.delays[self.wanted - 1]);
+                    }
                 }
                 if word.complete {
                     self.levels[0].arrives(Arrival { first: word.guard, last: word.last });
@@ -241,8 +334,12 @@ impl Machine {
     }
 
     /// What the output takes in: kept at once, or finished when the column behind it is there.
-    fn finish(&mut self, reaches: Option<(Arrival, bool, bool)>, advance: bool) {
+    fn finish(&mut self, reaches: Option<(Arrival, bool, bool)>, advance: bool, ready: bool) {
         let seen = |(arrival, _, double): (Arrival, bool, bool)| double || !(arrival.first || arrival.last);
+        if let (Some(buffered), Some(buffer)) = (&mut self.buffered, self.core.buffer) {
+            buffered.clock(reaches.is_some_and(seen), ready, buffer.words);
+            return;
+        }
         if self.core.finish.is_none() {
             if advance {
                 self.pipeline[0] = reaches.is_some_and(seen);
@@ -280,7 +377,7 @@ mod tests {
     use super::*;
 
     fn core(levels: u32, schedule: Schedule, folded: bool) -> Core {
-        Core { levels, schedule, folded, rows_per_clock: None, finish: None }
+        Core { levels, schedule, folded, rows_per_clock: None, finish: None, buffer: None }
     }
 
     /// The formulas of the schedules, from the level on where four words take fewer clocks than a column.

@@ -28,11 +28,11 @@ pub struct Packet {
     pub level: Option<u32>,
 }
 
-/// An input beat as the protocol sees it: the last one of a patch of this level, or any other.
+/// An input beat as the protocol sees it: whether it ends its packet, and the packet's level, if it is kept.
 #[derive(Clone, Copy)]
-enum Point {
-    Last(u32),
-    Other,
+struct Point {
+    last: bool,
+    level: Option<u32>,
 }
 
 /// What happened in one run.
@@ -63,10 +63,7 @@ pub fn run_packets(packets: &[Packet], depths: Depths, offer: &[bool], ready: &[
     let mut machine = Machine { depths, credits: depths.fifo - 1, ..Machine::default() };
     let wanted: u64 = packets.iter().filter_map(|packet| packet.level).map(beats).sum();
     let mut points = packets.iter().flat_map(|packet| {
-        (1..=packet.points).map(|point| match packet.level {
-            Some(level) if point == packet.points => Point::Last(level),
-            _ => Point::Other,
-        })
+        (1..=packet.points).map(|point| Point { last: point == packet.points, level: packet.level })
     });
     let mut waiting = points.next();
     let (mut received, mut offering, mut clock) = (0, false, 0u64);
@@ -76,7 +73,7 @@ pub fn run_packets(packets: &[Packet], depths: Depths, offer: &[bool], ready: &[
         offering |= waiting.is_some() && at(offer);
         let (took, valid) = machine.clock(waiting.filter(|_| offering), at(ready));
         if took {
-            if matches!(waiting, Some(Point::Last(_))) {
+            if waiting.is_some_and(|point| point.last && point.level.is_some()) {
                 first_packet.get_or_insert(clock);
             }
             waiting = points.next();
@@ -97,6 +94,10 @@ struct Machine {
     depths: Depths,
     now: u64,
     // Loader.
+    /// Whether the stream waits for the verdict on a packet, or for the axes to leave.
+    closed: bool,
+    /// The beat accepted in the clock before, if it was a packet's last: its level, or none.
+    beat: Option<Option<u32>>,
     full: bool,
     axis: u32,
     loading_level: u32,
@@ -112,6 +113,10 @@ struct Machine {
     pairs_left: u64,
     // Output.
     credits: u32,
+    has_room: bool,
+    /// Whether a row was decided on in the clock before, and what the FIFO's control knows of its words.
+    issued: bool,
+    filled: bool,
     /// Clocks in which words reach the FIFO, in order.
     in_flight: std::collections::VecDeque<u64>,
     stored: u32,
@@ -129,32 +134,31 @@ impl Machine {
     fn clock(&mut self, offered: Option<Point>, ready: bool) -> (bool, bool) {
         let strobe = self.full && (self.axis > 0 || !self.reserved);
         let leaving = strobe && self.axis == 2;
-        let accept = offered.filter(|_| !self.full || leaving);
+        let accept = offered.filter(|_| !self.closed);
 
-        let issue = self.running && self.credits > 0;
+        let issue = self.running && self.has_room;
         let strip_end = self.pairs_left == 0;
         let finishing = issue && strip_end && self.length <= 1;
         let next_strip = issue && strip_end && self.length > 1;
         let load = self.waiting.filter(|_| finishing || !(self.running || self.starting));
 
-        let take = self.stored > 0 && (!self.valid || ready);
+        let take = self.filled && (!self.valid || ready);
         let valid = self.valid;
 
         // The edge. Output side:
         self.valid = take || (valid && !ready);
+        self.filled = self.stored > u32::from(take);
         self.stored -= u32::from(take);
         if self.in_flight.front() == Some(&self.now) {
             self.in_flight.pop_front();
             self.stored += 1;
         }
         if issue {
-            self.in_flight.push_back(self.now + u64::from(self.depths.rounder));
-            if self.depths.rounder == 0 {
-                self.in_flight.pop_back();
-                self.stored += 1;
-            }
+            self.in_flight.push_back(self.now + 1 + u64::from(self.depths.rounder));
         }
-        self.credits = self.credits + u32::from(take) - u32::from(issue);
+        self.has_room = self.credits > 2;
+        self.credits = self.credits + u32::from(take) - u32::from(self.issued);
+        self.issued = issue;
 
         // Strip control:
         if issue && !strip_end {
@@ -183,14 +187,20 @@ impl Machine {
             self.arriving = Some((self.now + 1 + u64::from(self.depths.startup), self.loading_level));
         }
         self.reserved = (strobe && self.axis == 0) || (self.reserved && load.is_none());
+        let second = self.full && self.axis == 1;
         if strobe {
             self.axis = (self.axis + 1) % 3;
         }
         self.full &= !leaving;
 
         // Loader:
-        if let Some(Point::Last(level)) = accept {
+        self.closed &= !(second || self.beat == Some(None));
+        if let Some(Some(level)) = self.beat {
             (self.full, self.loading_level) = (true, level);
+        }
+        self.beat = None;
+        if let Some(Point { level, last: true }) = accept {
+            (self.closed, self.beat) = (true, Some(level));
         }
         self.now += 1;
         (accept.is_some(), valid)
@@ -201,7 +211,7 @@ impl Machine {
 mod tests {
     use super::*;
 
-    const DEPTHS: Depths = Depths { startup: 9, rounder: 7, fifo: 16 };
+    const DEPTHS: Depths = Depths { startup: 9, rounder: 7, fifo: 32 };
 
     #[test]
     fn back_to_back_patches_of_level_4_keep_the_output_busy() {
@@ -221,11 +231,11 @@ mod tests {
     }
 
     #[test]
-    fn a_dropped_packet_costs_the_clocks_of_its_points() {
+    fn a_dropped_packet_costs_the_clocks_of_its_points_and_of_the_verdict() {
         let good = Packet { points: 12, level: Some(2) };
         let clocks = |first: &[Packet]| run_packets(&[first, &[good]].concat(), DEPTHS, &[true], &[true]);
         let (alone, behind) = (clocks(&[]), clocks(&[Packet { points: 5, level: None }]));
-        assert_eq!((behind.total, behind.latency), (alone.total + 5, alone.latency));
+        assert_eq!((behind.total, behind.latency), (alone.total + 6, alone.latency));
     }
 
     #[test]

@@ -36,6 +36,9 @@ pub fn command(parameters: Parameters) -> String {
     if let Some(rows) = parameters.rows_per_clock {
         more += &format!(" --rows-per-clock {rows}");
     }
+    if parameters.registered {
+        more += " --registered";
+    }
     if parameters.limit {
         more += " --limit";
     }
@@ -98,6 +101,7 @@ fn parameters_json(parameters: Parameters, stored: u64) -> Value {
         "schedule": parameters.schedule.to_string(),
         "folded": parameters.folded,
         "rows_per_clock": parameters.rows_per_clock,
+        "registered": parameters.registered,
         "stored_vertices": stored,
         "positions": if parameters.limit { "limit" } else { "refined" },
         "normals": parameters.normals.map(|n| format!("{n:?}")),

@@ -19,12 +19,16 @@ use crate::surface::precision::{of_patch, total_lsb};
 
 /// The command that generates the core with these parameters.
 pub fn command(parameters: Parameters) -> String {
-    let Parameters { coordinates, output_fraction, max_level, min_level, registers, precision } = parameters;
+    let Parameters { coordinates, output_fraction, max_level, min_level, registers, precision, chunk } =
+        parameters;
     let mut command = format!(
         "subdiv-rtl generate loop-fd --coordinates {coordinates} --output-fraction {output_fraction} --max-level {max_level} --registers {registers}"
     );
     if min_level > 0 {
         command += &format!(" --min-level {min_level}");
+    }
+    if let Some(chunk) = chunk {
+        command += &format!(" --chunk {chunk}");
     }
     if let Some(Reduced { fractions, rounding, saturate }) = precision.reduced() {
         let option = if fractions.is_uniform() { "fraction" } else { "fractions" };
@@ -91,6 +95,9 @@ fn parameters_json(parameters: Parameters) -> Value {
     });
     if parameters.min_level > 0 {
         object["min_level"] = json!(parameters.min_level);
+    }
+    if let Some(chunk) = parameters.chunk {
+        object["chunk"] = json!(chunk);
     }
     if let Some(reduced) = parameters.precision.reduced() {
         let width = |m: u32| words::difference(parameters, reduced, (m - m / 4, m / 4)).width();

@@ -2,11 +2,13 @@
 //!
 //! The arguments become [`Settings`]; what is contradictory is refused before any work begins.
 
+mod names;
 mod result;
 mod run;
 mod strip_picture;
 mod strips;
 
+pub use names::{Colour, Scheme, SimulatorName};
 pub use run::is_mismatch;
 
 use super::{
@@ -19,7 +21,6 @@ use crate::{
     error::{Error, Result},
     fixed::{Format, Precision, Rounding},
 };
-use clap::ValueEnum;
 use std::{
     ffi::OsStr,
     path::{Path, PathBuf},
@@ -106,6 +107,10 @@ pub struct Core {
     #[arg(long, value_name = "COUNT", value_enum, default_value_t)]
     pub registers: Registers,
 
+    /// Emit wide adders in chunks of this many bits, each a clock behind the one below (Loop)
+    #[arg(long, value_name = "BITS", value_parser = clap::value_parser!(u32).range(4..=128))]
+    pub chunk: Option<u32>,
+
     #[command(flatten)]
     pub numbers: Numbers,
 }
@@ -175,44 +180,6 @@ Examples:
   subdiv-rtl simulate --shape torus --coordinates Q2.14 --back-pressure random:30 --seed 7
   subdiv-rtl simulate --shape icosahedron --format json | jq .error_lsb";
 
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub enum Scheme {
-    /// Triangles, after Charles Loop
-    #[default]
-    Loop,
-    /// Quads in strips, after Catmull and Clark; other polygons become quads by one step
-    CatmullClark,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, ValueEnum)]
-pub enum SimulatorName {
-    /// Our own, which needs no tools
-    Builtin,
-    /// Verilator, the fastest
-    Verilator,
-    /// The emitted testbench in Verilator; slower, and not among 'all'
-    VerilatorTestbench,
-    /// Icarus Verilog, with the emitted testbench
-    Icarus,
-    /// All of them; it is an error when one is missing
-    All,
-    /// Those of them that are installed
-    Installed,
-}
-
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub enum Colour {
-    /// Nothing: porcelain
-    #[default]
-    Plain,
-    /// The distance of each vertex from its exact place
-    Error,
-    /// The polynomial patches, by their depth around irregular vertices
-    Patches,
-    /// The strips that a quad mesh was cut into
-    Strips,
-}
-
 fn level() -> impl clap::builder::TypedValueParser<Value = u32> {
     clap::value_parser!(u32).range(0..=i64::from(FINEST_LEVEL))
 }
@@ -231,6 +198,8 @@ pub struct Settings {
     pub max_level: u32,
     pub min_level: u32,
     pub registers: Registers,
+    /// Bits of a chunk with skewed carry; nothing: whole words.
+    pub chunk: Option<u32>,
     pub precision: Precision,
     /// Guard bits of the strip core; nothing: exact.
     pub guard: Option<u32>,
@@ -343,6 +312,7 @@ impl Args {
             max_level,
             min_level: self.core.min_level,
             registers: self.core.registers,
+            chunk: self.core.chunk,
             precision,
             guard: self.core.guard,
             strip_levels: self.core.max_level,

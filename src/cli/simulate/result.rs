@@ -90,6 +90,7 @@ fn object(found: &Found) -> Value {
         "level": found.settings.level,
         "max_level": found.parameters.max_level,
         "registers": found.parameters.registers.count(),
+        "chunk": found.parameters.chunk,
         "differences": found.parameters.precision.to_string(),
         "patches": {
             "regular": counts.regular,
@@ -160,7 +161,9 @@ fn text(found: &Found, verdict: &Verdict) -> String {
         Precision::Exact => format!("{}-bit differences", p.modulus()),
         reduced => format!("differences of {reduced} fraction bits"),
     };
-    let core = format!("loop-fd up to level {}, {} registers, {differences}", p.max_level, p.registers);
+    let chunks = p.chunk.map_or(String::new(), |bits| format!(" in chunks of {bits} bits"));
+    let core =
+        format!("loop-fd up to level {}, {} registers, {differences}{chunks}", p.max_level, p.registers);
     facts.row(["core", &core]);
     let kinds = format!(
         "{} regular, {} semi-regular, {} irregular",

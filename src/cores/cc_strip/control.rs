@@ -35,7 +35,10 @@ struct Flags {
 /// that the strip asks for, `next_ready` and `output_ready`.
 /// Outputs: `ready`, `shift_l` and `write_l` for each level, `serve_l`, `slice`, `face`, the valences of the middle
 /// column; what leaves (`out_..`) when it does, to the `next` group or to the `output`; and `idle`.
-pub fn build(index: usize, group: &Group) -> Result<Rc<Module>> {
+///
+/// In a `registered` core no decision goes through two levels within a clock: a level has room when nothing is to leave
+/// it; only the level that puts out has it one clock earlier, when the last of its column leaves.
+pub fn build(index: usize, group: &Group, registered: bool) -> Result<Rc<Module>> {
     let m = Builder::new(&format!("strip_control_{index}"));
     m.purpose("Moves the windows of a group of levels and says which column leaves.");
     let bit = |name: &str| m.input(name, Word::bit());
@@ -93,8 +96,17 @@ pub fn build(index: usize, group: &Group) -> Result<Rc<Module>> {
         let (write, flags) = match at {
             0 => {
                 // The slot of a column that is read for the last time may be filled in the same clock.
-                let last_read =
-                    if group.double { turn.done[0].clone() } else { &turn.done[0] & !&level.vertex };
+                let last_read = match registered {
+                    _ if group.double => turn.done[0].clone(),
+                    false => &turn.done[0] & !&level.vertex,
+                    // The loader's level waits.
+                    true if index == 0 => m.bit(false),
+                    true => {
+                        let last_slice = turn.slice.as_ref().map(|slice| m.is(slice, slice.word().range.max));
+                        let goes = m.all(&[&level.leaves, &!&level.vertex, &to_output[0], &output_ready]);
+                        last_slice.map_or(goes.clone(), |last| &goes & &last)
+                    }
+                };
                 let ready = m.wire("ready", !&level.leaves | &last_read);
                 m.output("ready", &ready);
                 (&valid & &ready, &incoming)

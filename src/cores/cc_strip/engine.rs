@@ -97,9 +97,13 @@ pub fn build(parameters: Parameters, index: usize, groups: &[Group]) -> Result<R
 
     // The column of the next level is known only when the unit is; it closes the loop below.
     let finest = parameters.word(group.finest() + 1);
-    let made: Vec<Signal> = (0..group.lanes()).map(|u| m.forward(format!("made_row_{u}"), finest)).collect();
-    let made_outside: Vec<Signal> =
-        outside_places(parameters).iter().map(|place| m.forward(format!("made_{place}"), finest)).collect();
+    let forward = |place: String| m.forward(format!("made_{place}"), finest);
+    let lanes = if parameters.registered { 0 } else { group.lanes() };
+    let made: Vec<Signal> = (0..lanes).map(|u| forward(format!("row_{u}"))).collect();
+    let made_outside: Vec<Signal> = match parameters.registered {
+        true => vec![],
+        false => outside_places(parameters).into_iter().map(forward).collect(),
+    };
     let mut placed = vec![];
     for &level in &levels {
         let from = if level == levels[0] {
@@ -133,6 +137,14 @@ pub fn build(parameters: Parameters, index: usize, groups: &[Group]) -> Result<R
         levels.iter().zip(&placed).map(|(&level, placed)| Columns::new(parameters, level, placed)).collect();
 
     let unit = Unit { m: &m, parameters, group, columns: &columns, serve: &serve, slice: &slice };
+    if parameters.registered {
+        let names = (0..group.lanes()).map(|u| format!("row_{u}")).chain(outside_places(parameters));
+        let column = unit.registered(&face, valences)?;
+        for (name, signal) in names.zip(column.rows.iter().chain(&column.outside)) {
+            m.output(format!("out_{name}"), m.wire(format!("out_{name}"), fit(&m, signal, finest)));
+        }
+        return m.finish();
+    }
     let sums = unit.sums(false);
     let between = unit.face_column(&sums)?;
     let middle = unit.vertex_column(valences, &sums)?;
@@ -215,25 +227,25 @@ pub fn equals(m: &Builder, bits: &[Signal], number: u32) -> Option<Signal> {
 }
 
 /// The unit of a group on its windows.
-struct Unit<'a> {
-    m: &'a Builder,
-    parameters: Parameters,
-    group: &'a Group,
-    columns: &'a [Columns<'a>],
+pub(super) struct Unit<'a> {
+    pub(super) m: &'a Builder,
+    pub(super) parameters: Parameters,
+    pub(super) group: &'a Group,
+    pub(super) columns: &'a [Columns<'a>],
     serve: &'a BTreeMap<u32, Signal>,
-    slice: &'a [Signal],
+    pub(super) slice: &'a [Signal],
 }
 
 impl Unit<'_> {
-    fn level(&self) -> u32 {
+    pub(super) fn level(&self) -> u32 {
         self.group.finest()
     }
 
-    fn cells(&self) -> u32 {
+    pub(super) fn cells(&self) -> u32 {
         self.group.cells
     }
 
-    fn sliced(&self) -> bool {
+    pub(super) fn sliced(&self) -> bool {
         self.group.most_slices() > 1
     }
 
@@ -254,7 +266,7 @@ impl Unit<'_> {
     }
 
     /// Row `at` (-1 is above) of a column as the unit sees it now.
-    fn row(&self, column: usize, at: i64) -> Option<Signal> {
+    pub(super) fn row(&self, column: usize, at: i64) -> Option<Signal> {
         self.of_level(self.columns.iter().map(|columns| {
             let slices = self.group.slices(columns.level);
             let bits = &self.slice[..slices.ilog2() as usize];
@@ -264,7 +276,7 @@ impl Unit<'_> {
     }
 
     /// c + next (`old` false) or previous + c of every row that has them, by its name.
-    fn sums(&self, old: bool) -> Vec<(String, Signal)> {
+    pub(super) fn sums(&self, old: bool) -> Vec<(String, Signal)> {
         let word = self.parameters.sum_word(self.level());
         let sum = |(name, at): (&String, i64)| match self.columns {
             [only] if keeps_sums(self.group) && old => {
@@ -374,7 +386,7 @@ impl Unit<'_> {
     }
 
     /// What the fan unit of an end sees, of the level that is served.
-    fn end(&self, end: End, valence: Signal) -> EndView {
+    pub(super) fn end(&self, end: End, valence: Signal) -> EndView {
         // Every window has these.
         let pick = |of: &dyn Fn(&Columns) -> Signal| {
             let all = self.columns.iter().map(|columns| (columns.level, Some(of(columns))));

@@ -15,6 +15,7 @@
 use std::rc::Rc;
 
 use super::view::EndView;
+use super::wait::wait;
 use super::{Parameters, VALENCE_BITS};
 use crate::error::Result;
 use crate::hdl::{Builder, Module, Relation, Signal, Sum, Word};
@@ -43,7 +44,7 @@ pub fn fan_names(parameters: Parameters) -> Vec<String> {
 }
 
 /// Names of what a fan unit sees, in the order of [`signals`].
-fn names(parameters: Parameters) -> Vec<String> {
+pub(super) fn names(parameters: Parameters) -> Vec<String> {
     let columns = ["outer", "inner"].iter().flat_map(|row| (0..3).map(move |c| format!("{row}_{c}")));
     let ring = ["corner_left", "corner_right", "a_1"].map(String::from);
     columns.chain(ring).chain(fan_names(parameters)).collect()
@@ -67,6 +68,37 @@ pub struct Replaced {
     pub right: Signal,
     /// As [`fan_names`].
     pub fan: Vec<Signal>,
+}
+
+impl Replaced {
+    /// The clock of the last of them.
+    pub fn time(&self) -> Option<u32> {
+        [&self.vertex, &self.left, &self.right].into_iter().chain(&self.fan).filter_map(Signal::time).max()
+    }
+
+    /// All of the clock of the last.
+    pub fn together(self, m: &Builder) -> Replaced {
+        let until = self.time().unwrap_or(0);
+        let beside = [("left".to_string(), self.left), ("right".to_string(), self.right)];
+        let beside = wait(m, "beside_slot", &beside, until);
+        let fan: Vec<(String, Signal)> =
+            self.fan.into_iter().enumerate().map(|(i, signal)| (format!("fan_{i}"), signal)).collect();
+        Replaced {
+            vertex: m.at_time(&self.vertex, until),
+            left: beside[0].clone(),
+            right: beside[1].clone(),
+            fan: wait(m, "fan_slot", &fan, until),
+        }
+    }
+
+    pub fn each(&self, of: impl Fn(&Signal) -> Signal) -> Replaced {
+        Replaced {
+            vertex: of(&self.vertex),
+            left: of(&self.left),
+            right: of(&self.right),
+            fan: self.fan.iter().map(of).collect(),
+        }
+    }
 }
 
 /// A fan unit on an end.

@@ -20,10 +20,13 @@
 //! **Numbers**: exact, 6 fraction bits more on every level; or `guard` fraction bits on every level and
 //! one rounding for every vertex, taken from unrounded sums. No rule divides by three.
 
+mod buffer;
+pub mod buffered;
 mod columns;
 mod control;
 mod engine;
 mod fan;
+mod fan_registered;
 pub mod finish;
 pub mod finish_proof;
 mod finishing;
@@ -34,6 +37,8 @@ mod normals;
 mod output;
 mod parameters;
 pub mod proof;
+mod registered;
+mod row_filter;
 pub mod schedule;
 mod tangents;
 mod top;
@@ -41,6 +46,7 @@ mod unit;
 mod vectors;
 pub mod view;
 pub mod view_ports;
+mod wait;
 mod window;
 
 use std::rc::Rc;

@@ -110,6 +110,7 @@ impl<'a> Output<'a> {
     /// whether the level may change.
     fn standing(&self, consumer: &Signal) -> Result<(Standing, Signal, Signal)> {
         match self.parameters.finish() {
+            _ if self.parameters.registered => self.buffered(consumer),
             Some(finish) => self.finished(finish, consumer),
             None => {
                 let (standing, ready) = self.rounded(consumer);
@@ -243,7 +244,7 @@ impl<'a> Output<'a> {
     }
 
     /// Whether a row of a beat is there; nothing where it always is.
-    fn present(&self, row: usize, second: bool, ends: &Signal, ending: &Signal) -> Option<Signal> {
+    pub(super) fn present(&self, row: usize, second: bool, ends: &Signal, ending: &Signal) -> Option<Signal> {
         let m = self.m;
         let mut always = true;
         let mut cases: Vec<Signal> = vec![];

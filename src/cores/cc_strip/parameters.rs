@@ -34,6 +34,8 @@ pub struct Parameters {
     pub folded: bool,
     /// New rows of the finest column in one clock, a power of two from 2 on; all of them without.
     pub rows_per_clock: Option<u32>,
+    /// A register behind every adder, for a high clock: control runs ahead of the data.
+    pub registered: bool,
     /// Limit positions leave, not refined control points.
     pub limit: bool,
     /// Normals that leave beside the positions.
@@ -56,6 +58,7 @@ impl Parameters {
             schedule: Schedule::Pipelined,
             folded: false,
             rows_per_clock: None,
+            registered: false,
             limit: false,
             normals: None,
             longitudinal: None,
@@ -103,6 +106,13 @@ impl Parameters {
                     "leave out --rows-per-clock, and choose --schedule pipelined or shared",
                 );
             }
+        }
+        let finishes = self.limit || self.normals.is_some() || self.longitudinal.is_some();
+        if self.registered && (finishes || self.folded || self.schedule != Schedule::Pipelined) {
+            return refuse(
+                "registered adders in a core that folds levels or finishes columns".into(),
+                "leave out --registered, or choose --schedule pipelined alone",
+            );
         }
         if self.normals.is_some() && self.longitudinal.is_some() {
             return refuse(

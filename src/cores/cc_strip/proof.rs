@@ -20,7 +20,7 @@ use super::window::{KEPT, STAGES};
 use crate::error::{Error, Kind, Result};
 use crate::fixed::{Form, Rounding};
 use crate::hdl::linear::Value;
-use crate::hdl::{Flat, LinearForms, NodeId, Simulator};
+use crate::hdl::{Flat, LinearForms, NodeId, Simulator, Word};
 
 /// Variables of the largest window: three columns of 65 rows and what lies outside.
 const VARIABLES: usize = 256;
@@ -64,14 +64,16 @@ pub fn prove(parameters: Parameters) -> Result<Proof> {
         Proof { levels: parameters.levels, max_valence: parameters.max_valence, ..Proof::default() };
     let groups = parameters.groups();
     for index in 0..groups.len() {
-        let flat = Flat::new(&engine::build(parameters, index, &groups)?)?;
+        let engine = engine::build(parameters, index, &groups)?;
+        let delay = engine.output("out_row_0").map_or(0, |at| engine.latency(&engine.outputs[at]));
+        let flat = Flat::new(&engine)?;
         for level in groups[index].levels.clone() {
             for valence in 3..=parameters.max_valence {
                 // Different valences at the two ends, so that they cannot be mixed up.
                 let other = if valence == parameters.max_valence { 3 } else { valence + 1 };
                 let valences = [valence, other];
                 let claim = Statement { parameters, group: &groups[index], level, valences };
-                let (vertices, claims) = claim.prove(&flat)?;
+                let (vertices, claims) = claim.prove(&flat, delay)?;
                 proof.vertices += vertices;
                 proof.claims += claims;
             }
@@ -284,8 +286,9 @@ struct Statement<'a> {
 }
 
 impl Statement<'_> {
-    /// Returns how many vertices were compared, and how many claims were checked.
-    fn prove(&self, flat: &Flat) -> Result<(u64, u64)> {
+    /// The engine's output is so many clocks behind its window. Returns how many vertices were compared, and how many
+    /// claims were checked.
+    fn prove(&self, flat: &Flat, delay: u32) -> Result<(u64, u64)> {
         let Statement { parameters, group, level, valences } = *self;
         let window = Window::new(parameters.rows(level), valences);
         // At level 0 the registers hold the control points, without the guard bits.
@@ -300,13 +303,27 @@ impl Statement<'_> {
             })
             .collect();
         let here = format!("window_{level}.");
-        for (path, &id) in &registers {
-            if let Some(mask) =
-                path.strip_prefix(&here).and_then(|name| window.register(name, engine::keeps_sums(group)))
-            {
-                simulator.set(id, Value::Form(form(&mask)));
-            }
+        if delay > 0 {
+            // What is on its way is flushed; of the window only its flags and sums are.
+            let state =
+                |path: &str| path.strip_prefix(here.as_str()).is_some_and(|name| !name.starts_with("added_"));
+            let flushed = |path: &str, id: NodeId| !state(path) || flat.node(id).word == Word::bit();
+            registers
+                .iter()
+                .filter(|(path, id)| flushed(path, **id))
+                .for_each(|(_, &id)| simulator.set(id, Value::Integer(0)));
         }
+        let (sums, here) = (engine::keeps_sums(group), here.as_str());
+        // A registered window keeps the sum of the columns before a clock behind the columns.
+        let is_late = |name: &str| parameters.registered && sums && name.starts_with("previous_row_");
+        let held = |late: bool| {
+            let window = &window;
+            registers.iter().filter_map(move |(path, &id)| {
+                let name = path.strip_prefix(here).filter(|name| is_late(name) == late)?;
+                Some((id, Value::Form(form(&window.register(name, sums)?))))
+            })
+        };
+        held(false).for_each(|(id, value)| simulator.set(id, value));
         let control = |s: &mut Simulator<_>, name: &str, number: u32| {
             if let Some(id) = s.flat.input(name) {
                 s.set(id, Value::Integer(number.into()));
@@ -325,6 +342,13 @@ impl Statement<'_> {
         }
         for (end, valence) in End::BOTH.iter().zip(valences) {
             control(&mut simulator, &format!("{}_valence", end.name()), valence);
+        }
+
+        if delay > 0 {
+            ["face", "slice"].iter().for_each(|name| control(&mut simulator, name, 0));
+            simulator.settle();
+            simulator.edge(false)?;
+            held(true).for_each(|(id, value)| simulator.set(id, value));
         }
 
         let slices = group.slices(level);
@@ -347,7 +371,18 @@ impl Statement<'_> {
                 control(&mut simulator, "slice", slice);
                 control(&mut simulator, &format!("shift_{}", level + 1), u32::from(slice == 0));
                 control(&mut simulator, &format!("write_{}", level + 1), u32::from(within));
+                for clock in 0..delay {
+                    simulator.settle();
+                    simulator.edge(false)?;
+                    // Behind a vertex column waits the face column of the same window.
+                    if clock == 0 && slices == 1 {
+                        control(&mut simulator, "face", 1);
+                    }
+                }
                 simulator.settle();
+                if parameters.registered {
+                    control(&mut simulator, "face", face);
+                }
                 let lanes = 2 * cells + usize::from(slice + 1 == slices);
                 let rows = (0..lanes)
                     .map(|u| (format!("row_{u}"), format!("row_{}", 2 * cells * slice as usize + u)));

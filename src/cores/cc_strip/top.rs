@@ -76,13 +76,21 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
         let never = m.bit(false);
         let next_ready = ready.get(index + 1).unwrap_or(&never);
         inputs.extend([("level", &level), ("next_ready", next_ready), ("output_ready", &output_ready)]);
-        let control = m.instance(&format!("control_{index}"), &control::build(index, group)?, &inputs);
+        let control = m.instance(
+            &format!("control_{index}"),
+            &control::build(index, group, parameters.registered)?,
+            &inputs,
+        );
         m.drive(&ready[index], m.wire(format!("group_{index}_ready"), control.out("ready")));
 
         let unit = engine::build(parameters, index, &groups)?;
         let place = |axis: usize| -> Placed {
             let mut ports = incoming(&m, parameters, before, &control, &loader, &input.lanes[axis], axis);
             ports.extend(steering(group, &control));
+            if parameters.registered {
+                let data = before.map_or(1, |(_, stage)| stage.columns[axis].rows[0].time().unwrap_or(1));
+                own_copies(&m, data, AXES[axis], &mut ports);
+            }
             let inputs: Vec<(&str, &Signal)> = ports.iter().map(|(n, s)| (n.as_str(), s)).collect();
             m.instance(&format!("engine_{index}_{}", AXES[axis]), &unit, &inputs)
         };
@@ -106,7 +114,15 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
     m.drive(&output_ready, &room);
     let mut settled: Vec<Signal> = stages.iter().map(|stage| stage.control.out("idle")).collect();
     settled.push(empty);
-    m.drive(&idle, m.wire("all_idle", m.all(&settled.iter().collect::<Vec<_>>())));
+    let all_idle = m.wire("all_idle", m.all(&settled.iter().collect::<Vec<_>>()));
+    if parameters.registered {
+        // Known a clock late: a word that came in then may be the last of a column.
+        let was_idle = m.register_reset("was_idle", Word::bit(), 1);
+        m.always(&was_idle, &all_idle & &!loader.out("accept"));
+        m.drive(&idle, &was_idle);
+    } else {
+        m.drive(&idle, &all_idle);
+    }
     m.finish()
 }
 
@@ -149,6 +165,15 @@ fn incoming(
         ports.push((format!("in_write_{p}"), here.map_or(write.clone(), |here| &write & &here)));
     }
     ports
+}
+
+/// Brings the ports of an engine to the clock of its data, the last one by a register that no other engine reads.
+fn own_copies(m: &Builder, data: u32, axis: &str, ports: &mut [(String, Signal)]) {
+    for (port, signal) in ports {
+        if signal.time().is_some_and(|time| time < data) {
+            *signal = m.copy(format!("{port}_{data}_{axis}"), m.at_time(signal, data - 1));
+        }
+    }
 }
 
 /// What steers the engine of a group beside the column that comes in.

@@ -17,7 +17,7 @@ use std::rc::Rc;
 use super::Parameters;
 use super::fan::{End, fan_names};
 use crate::error::Result;
-use crate::hdl::{Builder, Module, Placed, Signal, Word};
+use crate::hdl::{Builder, Module, Placed, Signal, Sum, Word};
 
 /// How columns come into a window.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -72,6 +72,10 @@ pub fn build(parameters: Parameters, level: u32, producer: Producer, sums: bool)
             false => m.register(name, word),
         }
     };
+    let keep = |name: String, sum: Sum| match parameters.registered {
+        true => m.pipe(name, sum),
+        false => m.wire(name, sum),
+    };
     let moved = |to: &Signal, from: &Signal| m.on(&begin, to, from);
     let put = |name: String, kept: &Signal| match guard {
         0 => m.output(name, kept),
@@ -109,9 +113,11 @@ pub fn build(parameters: Parameters, level: u32, producer: Producer, sums: bool)
             left_of.push((end.name(), next.clone()));
         }
         if sums && place.starts_with("row_") {
-            let sum = m.wire(format!("added_{place}"), &middle + &next);
-            let previous = m.register(format!("previous_{place}{kept}"), sum.word());
-            moved(&previous, &sum);
+            let sum = keep(format!("added_{place}"), &middle + &next);
+            // Of a registered sum the previous one is taken a clock later.
+            let late = sum.time().unwrap_or(0);
+            let previous = m.register_at(format!("previous_{place}{kept}"), sum.word(), None, late);
+            m.on(&m.delay(&begin, late), &previous, &sum);
             put(format!("previous_{place}"), &previous);
             put(format!("sum_{place}"), &sum);
         } else if !place.ends_with("_left") {
@@ -121,7 +127,7 @@ pub fn build(parameters: Parameters, level: u32, producer: Producer, sums: bool)
         }
     }
     for ((end, left), (_, right)) in left_of.iter().zip(&right_of) {
-        put(format!("sum_{end}"), &m.wire(format!("added_{end}"), right + left));
+        put(format!("sum_{end}"), &keep(format!("added_{end}"), right + left));
     }
     m.finish()
 }

@@ -11,13 +11,14 @@
 //! D22 = 0, D40 = 2 D31 and D04 = 2 D13 on every Loop patch, so of the 15 differences 12 need a register
 //! (Bischoff, Kobbelt, Seidel count 23 registers with the two columns; 20 do, and 19 with r as l + m).
 //!
-//! In a reduced format each order has its own width and fraction; an add brings its addend to them first.
+//! Exact differences of order 2 are kept without their lowest bit, those of orders 3 and 4 without their lowest two,
+//! which are always zero. In a reduced format each order has its own width and fraction; an add brings its addend to them first.
 
 use std::collections::BTreeMap;
 use std::rc::Rc;
 
-use super::{Parameters, RegisterForm, vertex};
-use crate::cores::rounder;
+use super::{Parameters, RegisterForm, vertex, words};
+use crate::cores::rounder::{self, Division};
 use crate::error::Result;
 use crate::fixed::{Precision, Rounding};
 use crate::hdl::{Builder, Expr, Module, Signal, Sum, Word};
@@ -48,7 +49,11 @@ impl Higher {
     /// fewer integer bits than its own cannot tell apart from the difference of another patch.
     fn addend(&self, m: &Builder, parameters: Parameters, order: u32) -> Sum {
         let factor = if self.doubled { 2 } else { 1 };
-        let Some(reduced) = parameters.precision.reduced() else { return factor * &self.of };
+        let Some(reduced) = parameters.precision.reduced() else {
+            let zeros = words::low_zeros(order + 1) - words::low_zeros(order);
+            let of = number(m, parameters, &self.of, order + 1);
+            return (factor << zeros) * &of;
+        };
         let word = self.of.word();
         let number = m.wrap(&self.of, Word { modular: false, ..word });
         let dropped = reduced.fractions.dropped(order as usize);
@@ -119,6 +124,7 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
             parameters.shift(),
             parameters.output_range(),
             parameters.output_fraction,
+            if parameters.chunk.is_some() { Division::Digits } else { Division::Reciprocal },
         )?,
         Precision::Reduced(reduced) => vertex::build(parameters, reduced)?,
     };
@@ -146,7 +152,7 @@ fn outer_differences(
         // In a reduced format their lowest bit, which is always zero, is left out.
         let twice = |kl: (u32, u32)| -> Expr {
             match parameters.precision {
-                Precision::Exact => (2 * &waiting[&kl]).into(),
+                Precision::Exact => (2 * &number(m, parameters, &waiting[&kl], 4)).into(),
                 Precision::Reduced(_) => (&waiting[&kl]).into(),
             }
         };
@@ -175,6 +181,12 @@ fn outer_differences(
         }
     }
     outer
+}
+
+/// An exact difference of this order as what it stands for: where its word is narrower than the modulus, a number.
+fn number(m: &Builder, parameters: Parameters, of: &Signal, order: u32) -> Signal {
+    let narrow = of.width() + words::low_zeros(order) < parameters.modulus();
+    if narrow { m.wrap(of, Word::signed(of.width())) } else { of.clone() }
 }
 
 /// Makes the running columns.

@@ -1,88 +1,74 @@
 //! Gathers the 12 control points of a patch and hands them over one axis per clock.
 //!
 //! ```text
-//! clock     0 .. 11        12      13      14
-//!           points 0..11   x       y       z          tready is low in 12 and 13
+//! clock     0 .. 11        12     13     14     15
+//!           points 0..11          x      y      z         tready is low in 12 and 13
 //! ```
+//!
+//! The points themselves are kept in the start-up, which shifts them in and chooses the axis as told here.
 
 use std::rc::Rc;
 
-use super::{AXES, LEVEL_BITS, Parameters};
+use super::{LEVEL_BITS, Parameters};
 use crate::error::Result;
-use crate::hdl::{Builder, Module, Relation, Signal, Word};
+use crate::hdl::{Builder, Module, Word};
 
-/// Inputs: the stream, and `slot_free`: the engines can keep another patch. Outputs: `ready`; `p0` .. `p11`
-/// of one axis with `strobe`, `axis` and `level`, a clock after they are chosen.
+/// Inputs: the stream without its points, and `slot_free`: the engines can keep another patch. Outputs: `ready`; a
+/// clock after a beat `shift`; `begins` with the first axis; and a clock later, out of registers, `strobe` with the
+/// axis, `axis_x` or `axis_y` or neither, and the `level`, unless the core has but one.
 pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
     let m = Builder::new("patch_loader");
-    m.purpose("Gathers the 12 control points of a patch, then hands over x, y and z in three clocks.");
+    m.purpose("Counts the 12 control points of a patch, then hands over x, y and z in three clocks.");
     let valid = m.input("valid", Word::bit());
     let last = m.input("last", Word::bit());
     let user = m.input("level_in", Word::unsigned(LEVEL_BITS));
-    let points = AXES.map(|axis| m.input(format!("point_{axis}"), parameters.point()));
     let slot_free = m.input("slot_free", Word::bit());
+
+    // Every beat goes through a register; after the last one of a packet the stream waits for the verdict.
+    let ready = m.register_reset("ready", Word::bit(), 1);
+    let accept = m.wire("accept", &valid & &ready);
+    let beat = m.restart(&m.pipe_reset("beat", &accept, 0), 0);
+    let [beat_last, beat_level] =
+        [("beat_last", &last), ("beat_level", &user)].map(|(name, of)| m.restart(&m.pipe(name, of), 0));
 
     // full: 12 points are here. axis: the one being handed over.
     let full = m.register_reset("full", Word::bit(), 0);
     let axis = m.register_reset("axis", Word::range(0, 2), 0);
-    let started = m.wire("started", !m.is(&axis, 0));
-    let strobe = m.wire("strobe_now", &full & &(&started | &slot_free));
-    let leaving = m.wire("leaving", &strobe & m.is(&axis, 2));
+    let [first, second, third] = [0, 1, 2].map(|nth| m.is(&axis, nth));
+    let strobe = m.wire("strobe_now", &full & &(!&first | &slot_free));
+    let leaving = m.wire("leaving", &full & &third);
     let next_axis = m.wrap(&axis + 1, Word::unsigned(2));
     m.on(&leaving, &axis, m.constant(0, axis.word()));
     m.on(&strobe, &axis, m.wrap(&next_axis, axis.word()));
-
-    // A patch may arrive while the last axis of the one before leaves.
-    let ready = m.wire("ready", !&full | &leaving);
-    let accept = m.wire("accept", &valid & &ready);
 
     // 0 .. 11: the number of points here; 12: too many, skip to the end of the packet.
     let count = m.register_reset("count", Word::range(0, 12), 0);
     let overlong = m.is(&count, 12);
     let counted = m.wrap(&count + 1, count.word());
-    m.on(&(&accept & &last), &count, m.constant(0, count.word()));
-    m.on(&(&accept & !&overlong), &count, &counted);
-    let known = m.compare(
-        Relation::LessOrEqual,
-        &user,
-        m.constant(parameters.max_level.into(), Word::range(0, parameters.max_level.into())),
-    );
-    let known = if parameters.max_level + 1 == 1 << LEVEL_BITS { m.bit(true) } else { known };
-    let known = if parameters.min_level == 0 {
-        known
-    } else {
-        let lowest = m.constant(parameters.min_level.into(), Word::range(0, parameters.min_level.into()));
-        &known & m.compare(Relation::LessOrEqual, &lowest, &user)
-    };
-    let complete = m.all(&[&accept, &last, &m.is(&count, 11), &known]);
-    m.on(&complete, &full, m.bit(true));
+    let end = m.wire("packet_end", &beat & &beat_last);
+    m.on(&end, &count, m.constant(0, count.word()));
+    m.on(&(&beat & !&overlong), &count, &counted);
+    let levels: Vec<_> =
+        (parameters.min_level..=parameters.max_level).map(|level| m.is(&beat_level, level.into())).collect();
+    let known = m.any(&levels.iter().collect::<Vec<_>>());
+    let good = m.wire("good", m.is(&count, 11) & known);
+    m.on(&(&end & &good), &full, m.bit(true));
     m.on(&leaving, &full, m.bit(false));
+    // The next patch may come while the last axis of this one leaves.
+    m.on(&(&accept & &last), &ready, m.bit(false));
+    m.on(&((&end & !&good) | (&full & &second)), &ready, m.bit(true));
 
-    let level = m.register("level_kept", parameters.level());
-    m.on(&complete, &level, m.wrap(&user, parameters.level()));
-
-    let banks = [0, 1, 2].map(|i| bank(&m, AXES[i], &points[i], &accept));
-    let (first, second) = (m.is(&axis, 0), m.is(&axis, 1));
-    let [x, y, z] = banks;
-    for (index, ((x, y), z)) in x.iter().zip(&y).zip(&z).enumerate() {
-        let chosen = m.select(&first, x, m.select(&second, y, z));
-        let p = m.pipe(format!("p{index}"), &chosen);
-        m.output(format!("p{index}"), &p);
+    if !parameters.has_one_level() {
+        let level = m.register("level_kept", parameters.level());
+        m.on(&(&end & &good), &level, m.wrap(&beat_level, parameters.level()));
+        m.output("level", m.pipe("level", &level));
     }
-    m.output("strobe", m.pipe_reset("strobe", &strobe, 0));
-    m.output("axis_out", m.pipe("axis_out", &axis));
-    m.output("level", m.pipe("level", &level));
     m.output("ready", &ready);
+    m.output("shift", m.wire("shift", &beat));
+    m.output("strobe", m.pipe_reset("strobe", &strobe, 0));
+    m.output("axis_x", m.pipe("axis_x", &first));
+    m.output("axis_y", m.pipe("axis_y", &second));
     // The slot is taken from the first axis on.
     m.output("begins", m.wire("begins", &strobe & &first));
     m.finish()
-}
-
-/// A shift register: after 12 points, the first of them is `.._0`.
-fn bank(m: &Builder, axis: &str, point: &Signal, accept: &Signal) -> Vec<Signal> {
-    let bank: Vec<Signal> = (0..12).map(|i| m.register(format!("{axis}_{i}"), point.word())).collect();
-    for (index, register) in bank.iter().enumerate() {
-        m.on(accept, register, bank.get(index + 1).unwrap_or(point));
-    }
-    bank
 }

@@ -103,6 +103,8 @@ pub struct Parameters {
     pub min_level: u32,
     pub registers: RegisterForm,
     pub precision: Precision,
+    /// Bits of a chunk, where wide numbers are emitted in chunks with skewed carry.
+    pub chunk: Option<u32>,
 }
 
 impl Parameters {
@@ -119,8 +121,15 @@ impl Parameters {
         registers: RegisterForm,
     ) -> Result<Self> {
         let precision = Precision::Exact;
-        let parameters =
-            Parameters { coordinates, output_fraction, max_level, min_level: 0, registers, precision };
+        let parameters = Parameters {
+            coordinates,
+            output_fraction,
+            max_level,
+            min_level: 0,
+            registers,
+            precision,
+            chunk: None,
+        };
         if max_level > Self::HIGHEST_LEVEL {
             return Err(Error::usage(format!("maximum level {max_level} is above {}", Self::HIGHEST_LEVEL))
                 .help(format!("choose --max-level 0 to {}", Self::HIGHEST_LEVEL)));
@@ -184,6 +193,24 @@ impl Parameters {
         Ok(Parameters { min_level, ..self })
     }
 
+    /// The same core with its wide numbers in chunks of so many bits, or whole.
+    ///
+    /// # Errors
+    /// Chunks of fewer than 4 bits.
+    pub fn with_chunk(self, chunk: impl Into<Option<u32>>) -> Result<Self> {
+        let chunk = chunk.into();
+        if let Some(bits) = chunk.filter(|&bits| bits < 4) {
+            return Err(Error::usage(format!("chunks of {bits} bits"))
+                .help("choose 4 bits or more; with 14 to 16 the carry does not limit the clock of an ECP5"));
+        }
+        Ok(Parameters { chunk, ..self })
+    }
+
+    /// Whether all patches are of one level.
+    pub fn has_one_level(self) -> bool {
+        self.min_level == self.max_level
+    }
+
     /// B = W + 4R + 4: the width of every exact difference, and of a control point.
     pub fn modulus(self) -> u32 {
         self.coordinates.width() + 4 * self.max_level + 4
@@ -222,9 +249,9 @@ impl Parameters {
         self.output_range().width()
     }
 
-    /// Bits of one lane of the input stream: the modulus in whole bytes.
+    /// Bits of one lane of the input stream: a control point in whole bytes.
     pub fn input_lane(self) -> u32 {
-        self.modulus().next_multiple_of(8)
+        self.point().width().next_multiple_of(8)
     }
 
     /// Bits of one lane of the output stream: the result in whole bytes.
@@ -232,9 +259,12 @@ impl Parameters {
         self.output_width().next_multiple_of(8)
     }
 
-    /// A control point, or an exact difference.
+    /// A control point. Ghosts beyond a boundary have two bits more than the others; limit positions, which come as
+    /// patches of level 0, and reduced cores take all bits.
     fn point(self) -> Word {
-        Word::modular(self.modulus())
+        let bits = self.coordinates.width() + 4 * (self.max_level - self.min_level) + 2;
+        let narrow = self.min_level > 0 && self.precision == Precision::Exact;
+        Word::modular(if narrow { bits } else { self.modulus() })
     }
 
     /// The width of an exact difference in the start-up: that of a reduced core also needs those that are
@@ -246,7 +276,7 @@ impl Parameters {
     /// The difference D(k,l) in the engine.
     fn difference(self, (k, l): (u32, u32)) -> Word {
         match self.precision {
-            Precision::Exact => self.point(),
+            Precision::Exact => Word::modular(words::exact_width(self, (k, l))),
             Precision::Reduced(reduced) => words::difference(self, reduced, (k, l)),
         }
     }

@@ -112,8 +112,9 @@ fn patches(parameters: Parameters) -> Vec<Patch> {
     let positions = Patch { level: 0, variables: vec![0, 2, 10], ghosts: vec![], range };
     let regular = (parameters.min_level..=r).rev().map(|level| with_ghosts(level, &[]));
     let positions = (parameters.min_level == 0).then_some(positions);
-    // Exact vertices are in the hull whatever their ghosts are; differences are not.
-    let ghosted = if parameters.precision == Precision::Exact { 0 } else { 3 };
+    // Exact vertices are in the hull whatever their ghosts are; differences, where their words are narrow, are not.
+    let modular = parameters.precision == Precision::Exact && parameters.min_level == 0;
+    let ghosted = if modular { 0 } else { 3 };
     let ghosts = (parameters.min_level..=r).take(ghosted).flat_map(|level| {
         BOUNDARIES.map(|way| {
             let ghosts: Vec<_> = way.iter().flat_map(|&at| GHOSTS[at]).copied().collect();
@@ -147,6 +148,11 @@ pub fn prove(core: &Rc<Module>, parameters: Parameters) -> Result<Proof> {
             ..parameters
         };
         return prove(&super::build(plain)?, plain);
+    }
+    if parameters.chunk.is_some() {
+        // Chunks change when, not what; the numbers are proved whole.
+        let whole = Parameters { chunk: None, ..parameters };
+        return prove(&super::build(whole)?, whole);
     }
     prove_flat(Flat::new(core)?, parameters)
 }

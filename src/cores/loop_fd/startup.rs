@@ -6,7 +6,8 @@
 //! N00 = 16^r C00     N10 = 2*8^r C10 + 6*4^r C20 + 2*2^r C30 + G     ...
 //! ```
 //!
-//! It is a pure function and fully pipelined: the three axes of a patch go through one after the other.
+//! Behind the points, which are gathered here, it is a pure function and fully pipelined: the three axes of a patch
+//! go through one after the other.
 //! The powers of 2^r are shifts by the bits of the level. Reduced numbers are divided by 12 * 16^R at the end,
 //! each rounded to the fraction bits of its order; 16^R belongs to the core, so the level does not matter.
 
@@ -14,8 +15,8 @@ use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
 use std::rc::Rc;
 
-use super::Parameters;
 use super::engine::DIFFERENCES;
+use super::{AXES, Parameters};
 use crate::cores::rounder;
 use crate::error::{Error, Result};
 use crate::fixed::{Precision, Reduced};
@@ -26,16 +27,12 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
     m.purpose("The differences of a patch, step 2^-level, from its 12 control points: matrix Q_r");
     m.purpose("(Bischoff, Kobbelt, Seidel 2000, appendix A.4, with the matrix corrected).");
     m.parameter("modulus", format!("2^{}", parameters.startup_modulus()));
-    let point = |i: usize| {
-        let p = m.input(format!("p{i}"), parameters.point());
-        if parameters.startup_modulus() == p.width() {
-            return p;
-        }
-        let number = m.wrap(&p, Word::signed(p.width()));
-        m.wire(format!("wide_p{i}"), m.modulo(&number, parameters.startup_modulus()))
+    let p = control_points(&m, parameters);
+    let level = if parameters.has_one_level() {
+        m.constant(parameters.max_level.into(), parameters.level())
+    } else {
+        m.at_time(&m.input("level", parameters.level()), 1)
     };
-    let p: Vec<Signal> = (0..12).map(point).collect();
-    let level = m.input("level", parameters.level());
 
     let second = |name: &str, [a, b, c]: [usize; 3]| m.pipelined(name, &p[a] - 2 * &p[b] + &p[c]);
     let [rm, r0, r0_next, r1] =
@@ -66,7 +63,10 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
     // a = 2^r, b = 4^r, c = 8^r, d = 16^r.
     let bits: Vec<Signal> =
         (0..level.width()).map(|bit| m.wire(format!("level_{bit}"), m.slice(&level, bit, 1))).collect();
-    let times = |name: &str, value: &Signal, power: u32| times_power(&m, name, value, &bits, power);
+    let times = |name: &str, value: &Signal, power: u32| match parameters.has_one_level() {
+        true => m.wire(name, value << (power * parameters.max_level)),
+        false => times_power(&m, name, value, &bits, power),
+    };
     let d_c00 = times("d_c00", &c00, 4);
     let [c_c10, c_c01] = [("c_c10", &c10), ("c_c01", &c01)].map(|(n, v)| times(n, v, 3));
     let [b_c20, b_c02, b_c11] =
@@ -78,23 +78,25 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
     let g3 = m.pipelined("g3", 3 * &g);
     let h3 = m.pipelined("h3", 3 * &h);
     let gh = m.pipelined("gh", &g + &h);
-    // Orders 3 and 4 are multiples of 12. Reduced numbers are to be divided by it, so they do without.
+    // Order 2 is a multiple of 2, orders 3 and 4 of 12. Exact differences are kept without their zeros at the low end;
+    // reduced numbers are to be divided by 12, so those of orders 3 and 4 do without it.
     let exact = parameters.precision == Precision::Exact;
-    let twelve = |name: &str, x: &Signal| if exact { m.pipelined(name, 12 * x) } else { x.clone() };
+    let twice = if exact { 1 } else { 2 };
+    let thrice = |name: &str, x: &Signal| if exact { m.pipelined(name, 3 * x) } else { x.clone() };
     // Rows of the table, in the order of DIFFERENCES.
     let rows = [
         d_c00.clone(),
         m.pipelined("n10_sum", 2 * &c_c10 + 6 * &b_c20 + 2 * &a_c30 + &g),
-        m.pipelined("n20_sum", 12 * &m.pipelined("bc20_ac30", &b_c20 + &a_c30) + 14 * &g),
-        twelve("n30_sum", &m.pipelined("ac30_g3", &a_c30 + &g3)),
+        m.pipelined("n20_sum", 6 * twice * &m.pipelined("bc20_ac30", &b_c20 + &a_c30) + 7 * twice * &g),
+        thrice("n30_sum", &m.pipelined("ac30_g3", &a_c30 + &g3)),
         m.pipelined("n01_sum", 2 * &c_c01 + 6 * &b_c02 + 2 * &a_c03 + &h),
-        m.pipelined("n11_sum", 6 * &m.pipelined("bc11_ac", &b_c11 + &a_c21_c12) + 2 * &gh),
-        twelve("n21_sum", &m.pipelined("ac21_g", &a_c21 + &g)),
-        if exact { m.wire("n31_sum", 4 * &g3) } else { g.clone() },
-        m.pipelined("n02_sum", 12 * &m.pipelined("bc02_ac03", &b_c02 + &a_c03) + 14 * &h),
-        twelve("n12_sum", &m.pipelined("ac12_h", &a_c12 + &h)),
-        twelve("n03_sum", &m.pipelined("ac03_h3", &a_c03 + &h3)),
-        if exact { m.wire("n13_sum", 4 * &h3) } else { h.clone() },
+        m.pipelined("n11_sum", 3 * twice * &m.pipelined("bc11_ac", &b_c11 + &a_c21_c12) + twice * &gh),
+        thrice("n21_sum", &m.pipelined("ac21_g", &a_c21 + &g)),
+        if exact { g3.clone() } else { g.clone() },
+        m.pipelined("n02_sum", 6 * twice * &m.pipelined("bc02_ac03", &b_c02 + &a_c03) + 7 * twice * &h),
+        thrice("n12_sum", &m.pipelined("ac12_h", &a_c12 + &h)),
+        thrice("n03_sum", &m.pipelined("ac03_h3", &a_c03 + &h3)),
+        if exact { h3.clone() } else { h.clone() },
     ];
     let rows = match parameters.precision {
         Precision::Exact => rows,
@@ -102,9 +104,40 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
     };
     let last = rows.iter().filter_map(Signal::time).max().unwrap_or(0);
     for ((k, l), row) in DIFFERENCES.into_iter().zip(&rows) {
-        m.output(format!("n{k}{l}"), m.at_time(row, last));
+        let row = m.at_time(row, last);
+        let word = parameters.difference((k, l));
+        let row = if row.word() == word { row } else { m.modulo(&row, word.width()) };
+        m.output(format!("n{k}{l}"), &row);
     }
     m.finish()
+}
+
+/// The 12 control points of the chosen axis. A patch's points are shifted in, x, y and z together; after 12 of them
+/// the first one is at place 0.
+fn control_points(m: &Builder, parameters: Parameters) -> Vec<Signal> {
+    let word = parameters.point();
+    let points = AXES.map(|axis| m.input(format!("point_{axis}"), word));
+    let [shift, axis_x, axis_y] = ["shift", "axis_x", "axis_y"].map(|name| m.input(name, Word::bit()));
+    let banks = [0, 1, 2].map(|index| {
+        let bank: Vec<Signal> =
+            (0..12).map(|place| m.register(format!("{}_{place}", AXES[index]), word)).collect();
+        for (place, register) in bank.iter().enumerate() {
+            m.on(&shift, register, bank.get(place + 1).unwrap_or(&points[index]));
+        }
+        bank
+    });
+    let modulus = parameters.startup_modulus();
+    (0..12)
+        .map(|place| {
+            let [x, y, z] = [0, 1, 2].map(|index| &banks[index][place]);
+            let p = m.pipe(format!("p{place}"), m.select(&axis_x, x, m.select(&axis_y, y, z)));
+            if modulus == p.width() {
+                return p;
+            }
+            let number = m.wrap(&p, Word::signed(p.width()));
+            m.wire(format!("wide_p{place}"), m.modulo(&number, modulus))
+        })
+        .collect()
 }
 
 /// N(k,l) / (12 * 16^R), rounded to the fraction bits of its order; orders 3 and 4 come without their factor 12.
@@ -116,7 +149,7 @@ fn rounded(
     rows: [Signal; 12],
 ) -> Result<[Signal; 12]> {
     // Between patches other numbers pass through.
-    let valid = m.input("valid", Word::bit());
+    let valid = m.at_time(&m.input("valid", Word::bit()), 1);
     let mut rounders: BTreeMap<u32, Rc<Module>> = BTreeMap::new();
     let mut rounded = vec![];
     for ((k, l), row) in DIFFERENCES.into_iter().zip(rows) {

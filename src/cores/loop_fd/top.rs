@@ -6,6 +6,7 @@ use super::{AXES, LEVEL_BITS, Parameters, control, engine, loader, startup};
 use crate::cores::stream_fifo;
 use crate::error::Result;
 use crate::fixed::Precision;
+use crate::hdl::skew::{LEAD, SkewedPorts, skew};
 use crate::hdl::{Builder, Module, Signal, StreamBeat, Word};
 
 pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
@@ -23,6 +24,9 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
     m.parameter("output_fraction", parameters.output_fraction);
     m.parameter("max_level", parameters.max_level);
     m.parameter("registers", parameters.registers);
+    if let Some(chunk) = parameters.chunk {
+        m.parameter("chunk", chunk);
+    }
     if parameters.min_level > 0 {
         m.parameter("min_level", parameters.min_level);
     }
@@ -45,23 +49,36 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
             ("valid", &points.valid),
             ("last", &points.last),
             ("level_in", &points.user),
-            ("point_x", &points.lanes[0]),
-            ("point_y", &points.lanes[1]),
-            ("point_z", &points.lanes[2]),
             ("slot_free", &!&reserved),
         ],
     );
 
-    let names: Vec<String> = (0..12).map(|i| format!("p{i}")).collect();
-    let p: Vec<Signal> = names.iter().map(|name| loader.out(name)).collect();
-    let patch_level = loader.out("level");
-    let mut inputs: Vec<(&str, &Signal)> = names.iter().map(String::as_str).zip(&p).collect();
-    inputs.push(("level", &patch_level));
-    let handed_over = loader.out("strobe");
-    if parameters.precision != Precision::Exact {
-        inputs.push(("valid", &handed_over));
+    let [shift, begins] = ["shift", "begins"].map(|name| loader.out(name));
+    let registered = |name: &str| m.restart(&loader.out(name), 0);
+    let [strobe, axis_x, axis_y] = ["strobe", "axis_x", "axis_y"].map(registered);
+    let beat = [0, 1, 2].map(|i| m.pipe(format!("point_{}", AXES[i]), &points.lanes[i]));
+    // In chunks, single bits come before the numbers they belong to.
+    let lead = if parameters.chunk.is_some() { LEAD } else { 0 };
+    let beat = beat.map(|point| m.restart(&m.delay(&m.restart(&point, 0), lead), lead));
+    let mut inputs: Vec<(&str, &Signal)> = vec![("shift", &shift), ("axis_x", &axis_x), ("axis_y", &axis_y)];
+    inputs.extend(["point_x", "point_y", "point_z"].into_iter().zip(&beat));
+    let level = if parameters.has_one_level() {
+        m.constant(parameters.max_level.into(), parameters.level())
+    } else {
+        registered("level")
+    };
+    if !parameters.has_one_level() {
+        inputs.push(("level", &level));
     }
-    let startup = m.instance("startup", &startup::build(parameters)?, &inputs);
+    if parameters.precision != Precision::Exact {
+        inputs.push(("valid", &strobe));
+    }
+    let startup = startup::build(parameters)?;
+    let startup = match parameters.chunk {
+        Some(chunk) => skew(&startup, chunk, SkewedPorts { inputs: false, outputs: true })?,
+        None => startup,
+    };
+    let startup = m.instance("startup", &startup, &inputs);
     let differences: Vec<(String, Signal)> = engine::DIFFERENCES
         .iter()
         .map(|(k, l)| (format!("n{k}{l}"), m.restart(&startup.out(&format!("n{k}{l}")), 0)))
@@ -69,15 +86,21 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
 
     // What belongs to the axis that leaves the start-up now.
     let arrival = startup.out("n00").time().unwrap_or(0);
-    let arrive = |signal: &Signal| m.restart(&m.at_time(signal, arrival), 0);
-    let strobe = loader.out("strobe");
-    let strobe = m.restart(&m.delay_reset(&strobe, arrival - strobe.time().unwrap_or(0), 0), 0);
-    let axis = arrive(&loader.out("axis_out"));
-    let arrived_level = arrive(&patch_level);
-    let captures = [0, 1, 2]
-        .map(|index| m.wire(format!("capture_{}", AXES[index]), &strobe & m.is(&axis, index as i128)));
-    let waiting_level = m.register("waiting_level", arrived_level.word());
-    m.on(&captures[2], &waiting_level, &arrived_level);
+    let arrive = |signal: &Signal| m.restart(&m.delay(signal, arrival), 0);
+    let [arrived_x, arrived_y, arrived_level] = [&axis_x, &axis_y, &level].map(arrive);
+    let arrived = m.restart(&m.delay_reset(&strobe, arrival, 0), 0);
+    let whose = [arrived_x.clone(), arrived_y.clone(), !&(&arrived_x | &arrived_y)];
+    let captures =
+        [0, 1, 2].map(|index| m.wire(format!("capture_{}", AXES[index]), &arrived & &whose[index]));
+    let differences: Vec<(String, Signal)> =
+        differences.into_iter().map(|(name, n)| (name, m.restart(&m.delay(&n, lead), lead))).collect();
+    let waiting_level = if parameters.has_one_level() {
+        level.clone()
+    } else {
+        let kept = m.register("waiting_level", arrived_level.word());
+        m.on(&captures[2], &kept, &arrived_level);
+        kept
+    };
 
     let has_room = m.forward("has_room", Word::bit());
     let control = m.instance(
@@ -85,14 +108,20 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
         &control::build(parameters)?,
         &[("waiting", &waiting), ("level", &waiting_level), ("has_room", &has_room)],
     );
-    let [load, strip, step] = ["load", "strip", "step"].map(|name| control.out(name));
-    let [beat, pair] = ["valid", "pair"].map(|name| control.out(name));
+    let taken = control.out("taken");
+    let registered = |name: &str| m.restart(&control.out(name), 0);
+    let [load, strip, step] = ["load", "strip", "step"].map(registered);
+    let [beat, pair] = ["valid", "pair"].map(registered);
     m.on(&captures[2], &waiting, m.bit(true));
-    m.on(&load, &waiting, m.bit(false));
-    m.on(&loader.out("begins"), &reserved, m.bit(true));
-    m.on(&load, &reserved, m.bit(false));
+    m.on(&taken, &waiting, m.bit(false));
+    m.on(&begins, &reserved, m.bit(true));
+    m.on(&taken, &reserved, m.bit(false));
 
     let engine = engine::build(parameters)?;
+    let engine = match parameters.chunk {
+        Some(chunk) => skew(&engine, chunk, SkewedPorts { inputs: true, outputs: false })?,
+        None => engine,
+    };
     let (mut left, mut right) = (vec![], vec![]);
     for (axis, capture) in AXES.iter().zip(&captures) {
         let mut inputs: Vec<(&str, &Signal)> = vec![
@@ -111,7 +140,7 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
 
     // The flags of a beat travel beside its numbers.
     let depth = left[0].time().unwrap_or(0);
-    let flags = ["pair", "strip_end", "patch_start", "patch_end"].map(|name| control.out(name));
+    let flags = ["pair", "strip_end", "patch_start", "patch_end"].map(registered);
     let flags: Vec<Signal> = flags.iter().map(|flag| m.restart(&m.delay(flag, depth), 0)).collect();
     let push = m.restart(&m.delay_reset(&beat, depth, 0), 0);
 
@@ -126,8 +155,7 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
         lanes.push((name.to_string(), flag.clone()));
     }
     let shapes: Vec<(String, Word)> = lanes.iter().map(|(name, s)| (name.clone(), s.word())).collect();
-    // Credits must cover the way there and back: the pipeline, the RAM's write and read, the credit.
-    let log_depth = (depth + 6).next_power_of_two().ilog2();
+    let log_depth = (depth + stream_fifo::OVERHEAD).next_power_of_two().ilog2();
     let ports: Vec<String> = lanes.iter().map(|(name, _)| format!("in_{name}")).collect();
     let mut inputs: Vec<(&str, &Signal)> =
         ports.iter().map(String::as_str).zip(lanes.iter().map(|(_, s)| s)).collect();

@@ -34,6 +34,43 @@ pub fn difference(parameters: Parameters, reduced: Reduced, (k, l): (u32, u32)) 
     Word::modular(width as u32).fraction((parameters.coordinates.fraction + fraction) as i32)
 }
 
+/// Bits at the low end of an exact difference that are always zero and are not kept.
+pub fn low_zeros(order: u32) -> u32 {
+    [0, 0, 1, 2][order.min(3) as usize]
+}
+
+/// The width of D(k,l) in an exact format: modulo 2^B what is kept of it, or fewer bits where it fits them on every
+/// level of the core. A patch of level r has control points of W + 4 (R - r) bits; three limit positions sent as a
+/// patch of level 0 have more.
+pub fn exact_width(parameters: Parameters, (k, l): (u32, u32)) -> u32 {
+    if parameters.min_level == 0 {
+        return parameters.modulus() - low_zeros(k + l);
+    }
+    let width = |level: u32| {
+        let point = parameters.coordinates.width() + 4 * (parameters.max_level - level);
+        point + bits_above(level, (k, l))
+    };
+    let number = (parameters.min_level..=parameters.max_level).map(width).max().unwrap_or(0);
+    number.min(parameters.modulus()) - low_zeros(k + l)
+}
+
+/// Bits of N(k,l) above those of the control points at this level, over all places that are reached.
+fn bits_above(level: u32, (k, l): (u32, u32)) -> u32 {
+    // Levels 0 to 4; from level 5 on they grow by a constant.
+    let (coarse, fine) = match (k.min(l), k.max(l)) {
+        (0, 0) => ([4, 8, 12, 16, 20], 4 * level + 4),
+        (0, 1) => ([9, 10, 11, 14, 17], 3 * level + 5),
+        (0, 2) => ([10, 11, 12, 13, 15], 2 * level + 6),
+        (1, 1) => ([9, 10, 11, 13, 14], 2 * level + 6),
+        (0, 3) => ([10, 10, 11, 12, 12], level + 8),
+        (1, 2) => ([9, 9, 10, 10, 11], level + 7),
+        (1, 3) => ([8, 8, 8, 8, 8], 8),
+        // N40 = 2 N31, N04 = 2 N13.
+        _ => ([9, 9, 9, 9, 9], 9),
+    };
+    coarse.get(level as usize).copied().unwrap_or(fine)
+}
+
 /// Bits of the registers that one coordinate differences with: the outer differences and two columns. The next
 /// patch waits in as many outer differences again, and the start-up is shared by the coordinates.
 pub fn register_bits(parameters: Parameters) -> u32 {
@@ -146,7 +183,9 @@ mod tests {
     fn register_bits_are_those_of_the_engine() {
         for form in RegisterForm::ALL {
             let exact = Parameters::new("Q8.8".parse().unwrap(), 8, 5, form).unwrap();
-            assert_eq!(register_bits(exact), form.count() * exact.modulus());
+            // Zeros at the low end: of the 12 outer differences 15, of the two columns 6, of D40 and D04 and of D22 two.
+            let zeros = 15 + 6 + if form.count() > 20 { 2 * (form.count() - 20) } else { 0 };
+            assert_eq!(register_bits(exact), form.count() * exact.modulus() - zeros);
             let fractions = if form == RegisterForm::Relative19 { "17" } else { "8,12,14,17,18" };
             let reduced = Precision::Reduced(Reduced::new(fractions.parse().unwrap()));
             for parameters in [exact, exact.with_precision(reduced).unwrap()] {

@@ -36,6 +36,7 @@ struct ModuleText<'a> {
     version: &'a str,
     command: &'a str,
     parameters: &'a [(String, String)],
+    separate: bool,
     ports: Vec<String>,
     sections: Vec<Section>,
 }
@@ -71,6 +72,7 @@ fn print_module(
         version: env!("CARGO_PKG_VERSION"),
         command,
         parameters: &module.parameters,
+        separate: module.separate,
         ports: sections::ports(module),
         sections: sections::sections(module, &nets, name_of),
     };

@@ -143,6 +143,9 @@ struct Body<'a> {
     live: Live,
 }
 
+/// Registers that are reset or not and merged or not, their conditions, and which they are.
+type Alike = ([bool; 2], Vec<Option<NodeId>>, Vec<NodeId>);
+
 impl Body<'_> {
     fn ids(&self) -> impl Iterator<Item = NodeId> {
         (0..self.module.nodes.len() as u32).map(NodeId)
@@ -193,8 +196,9 @@ impl Body<'_> {
         }
         for (memory, _) in self.live_memories() {
             let (word, last) = (memory.word, memory.depth - 1);
+            let style = if memory.distributed { "(* ram_style = \"distributed\" *) " } else { "" };
             lines.push(format!(
-                "reg  {}{} [0:{last}]; // {} words of {word}",
+                "{style}reg  {}{} [0:{last}]; // {} words of {word}",
                 shape(word),
                 memory.name,
                 memory.depth
@@ -237,7 +241,7 @@ impl Body<'_> {
 
     /// The registers that take a value of this clock, those steered alike together.
     fn registers(&self, clock: u32) -> Vec<String> {
-        let mut groups: Vec<(bool, Vec<Option<NodeId>>, Vec<NodeId>)> = vec![];
+        let mut groups: Vec<Alike> = vec![];
         for id in self.ids().filter(|&id| self.needed(id)) {
             let Cell::Register { next: Some(next), enable, reset } = self.module.node(id).cell else {
                 continue;
@@ -249,18 +253,18 @@ impl Body<'_> {
             };
             if taken == clock {
                 let conditions: Vec<_> = self.clauses(next, enable).into_iter().map(|(c, _)| c).collect();
-                let alike = |g: &&mut (bool, Vec<Option<NodeId>>, Vec<NodeId>)| {
-                    g.0 == reset.is_some() && g.1 == conditions
-                };
+                let kind = [reset.is_some(), self.module.copies.contains(&id)];
+                let alike = |g: &&mut Alike| g.0 == kind && g.1 == conditions;
                 match groups.iter_mut().find(alike) {
                     Some(group) => group.2.push(id),
-                    None => groups.push((reset.is_some(), conditions, vec![id])),
+                    None => groups.push((kind, conditions, vec![id])),
                 }
             }
         }
         let mut lines = vec![];
-        for (resets, conditions, registers) in groups {
-            lines.push("always @(posedge aclk) begin".into());
+        for ([resets, kept], conditions, registers) in groups {
+            let keep = if kept { "(* keep *) " } else { "" };
+            lines.push(format!("{keep}always @(posedge aclk) begin"));
             if resets {
                 lines.push("    if (!aresetn) begin".into());
                 lines.extend(registers.iter().map(|&id| self.reset(id)));

@@ -1,0 +1,134 @@
+//! The output of a registered core: the columns of the level that the strip asks for, rounded, into a buffer.
+//!
+//! ```text
+//! level 1 ──┐ each so many clocks behind its control
+//! level 2 ──┼─► aligned ──► rounded ──► buffer ──► m_axis
+//! ...     ──┘
+//! ```
+//!
+//! The level changes only when nothing is on its way, so the levels may differ in their delays.
+
+use super::buffer;
+use super::engine::Outgoing;
+use super::output::{Offer, Output, Standing, Vertex};
+use crate::cores::loop_fd::AXES;
+use crate::error::Result;
+use crate::fixed::Rounding;
+use crate::hdl::{Placed, Signal, Word};
+
+/// The flag that goes with what leaves from a level, by its name; its clock is the delay of the data.
+pub const LEAVES: &str = "leaves_at_level_";
+
+/// Clocks from the last adder of a level into the buffer.
+pub const ROUNDING: u32 = 3;
+
+/// Words of the buffer for data so many clocks behind their control: what is on its way, and some that wait.
+pub fn log_depth(delay: u32) -> u32 {
+    (delay + 12).next_power_of_two().ilog2()
+}
+
+impl Output<'_> {
+    /// The stream behind the buffer; whether there is room for one more column, and whether nothing is on its way.
+    pub(super) fn buffered(&self, consumer: &Signal) -> Result<(Standing, Signal, Signal)> {
+        let m = self.m;
+        let any = |signals: Vec<Signal>| match signals.as_slice() {
+            [one] => one.clone(),
+            _ => m.any(&signals.iter().collect::<Vec<_>>()),
+        };
+        let lanes = self.offers.iter().map(|offer| offer.group.lanes()).max().unwrap_or(0);
+        let time = |offer: &Offer| offer.columns[0].rows[0].time().unwrap_or(0);
+        let delay = self.offers.iter().map(time).max().unwrap_or(0);
+        let seen = |offer: &Offer| {
+            offer.control.out("out_output")
+                & !(offer.control.out("out_first") | offer.control.out("out_last"))
+        };
+        let issue = m.wire("issue", any(self.offers.iter().map(seen).collect()));
+
+        // From here on the flag beside it says when a column is there.
+        let here = |signal: &Signal| m.restart(signal, 0);
+        let of_level = |name: &str, of: &dyn Fn(&Offer) -> Signal| {
+            let flags = self.offers.iter().zip(1..).map(|(offer, level)| {
+                let flag = m.at_time(&of(offer), time(offer));
+                &self.is[level - 1] & &here(&m.wire(format!("{name}{level}"), &flag))
+            });
+            any(flags.collect())
+        };
+        // Whether there is one must be known from the first clock on.
+        let leaves = self.offers.iter().zip(1..).map(|(offer, level)| {
+            let flag = m.delay_reset(&m.wire(format!("issue_{level}"), seen(offer)), time(offer), 0);
+            &self.is[level - 1] & &here(&m.wire(format!("{LEAVES}{level}"), &flag))
+        });
+        let push = m.wire("column_leaves", any(leaves.collect()));
+        let ends = m.wire("column_ends", of_level("ends_at_level_", &|offer| offer.control.out("out_ends")));
+        let ending =
+            m.wire("column_is_last", of_level("last_at_level_", &|offer| offer.control.out("out_ending")));
+        let columns: Vec<[Outgoing; 3]> = self
+            .offers
+            .iter()
+            .map(|offer| {
+                [0, 1, 2].map(|axis| Outgoing {
+                    rows: offer.columns[axis].rows.iter().map(here).collect(),
+                    outside: vec![],
+                })
+            })
+            .collect();
+        let index = |offer: &Offer| self.offers.iter().position(|o| std::ptr::eq(o.group, offer.group));
+        let sliced = self.offers.iter().any(|offer| offer.group.most_slices() > 1);
+        let log_depth = log_depth(delay + ROUNDING);
+
+        // A FIFO for the flags and one for each row, all with a `push` of their own.
+        let push = m.delay_reset(&push, ROUNDING - 1, 0);
+        let fifo = |name: &str, lanes: &[(&str, Signal)]| -> Result<Placed> {
+            let shapes: Vec<(&str, Word)> =
+                lanes.iter().map(|(lane, signal)| (*lane, signal.word())).collect();
+            let kind = if lanes.len() < 3 { "flags" } else { ["row", "row_or_not"][lanes.len() - 3] };
+            let unit = buffer::row(&format!("{kind}_buffer"), log_depth, &shapes)?;
+            let mut inputs = vec![
+                ("push".to_string(), here(&m.unmerged(m.pipe_reset(format!("push_{name}"), &push, 0)))),
+                ("ready".into(), consumer.clone()),
+            ];
+            for (lane, signal) in lanes {
+                inputs.push((format!("in_{lane}"), here(&m.at_time(signal, ROUNDING))));
+            }
+            let inputs: Vec<(&str, &Signal)> = inputs.iter().map(|(n, s)| (n.as_str(), s)).collect();
+            Ok(m.instance(&format!("{name}_buffer"), &unit, &inputs))
+        };
+        let mut flags = vec![("strip_end", m.wire("ends_strip", &ending & &ends))];
+        flags.extend(sliced.then(|| ("column_end", ends.clone())));
+        let flags = fifo("flags", &flags)?;
+        let credits = m.instance(
+            "credits",
+            &buffer::credits(log_depth)?,
+            &[("issue", &issue), ("take", &flags.out("take"))],
+        );
+        let mut vertices = vec![];
+        for row in 0..lanes {
+            let name = format!("row{row}");
+            let mut into: Vec<(&str, Signal)> = vec![];
+            for (axis, letter) in AXES.into_iter().enumerate() {
+                let aligned = self.aligned(row, |offer| columns[index(offer)?][axis].rows.get(row));
+                let aligned = m.pipe(format!("{name}_{letter}_aligned"), &aligned);
+                let drop = aligned.word().fraction - self.parameters.output_fraction as i32;
+                let rounded = m.round(&aligned, drop as u32, Rounding::HalfUp);
+                let rounded = m.wrap(&rounded, self.parameters.output_word());
+                into.push((letter, m.pipe(format!("{name}_{letter}_rounded"), &rounded)));
+            }
+            let present = self.present(row, false, &ends, &ending);
+            into.extend(present.iter().map(|present| ("present", present.clone())));
+            let fifo = fifo(&name, &into)?;
+            vertices.push(Vertex {
+                name,
+                coordinates: AXES.map(|axis| fifo.out(&format!("out_{axis}"))),
+                present: present.map(|_| fifo.out("out_present")),
+            });
+        }
+        let standing = Standing {
+            vertices,
+            last: flags.out("out_strip_end"),
+            column_end: sliced.then(|| flags.out("out_column_end")),
+            valid: flags.out("valid"),
+            last_row: None,
+        };
+        Ok((standing, credits.out("has_room"), credits.out("empty")))
+    }
+}

@@ -1,0 +1,36 @@
+//! Signals at a later clock: where that is long, through RAMs made of lookup tables that a counter goes through.
+
+use crate::hdl::{Builder, Signal, Word};
+
+/// Words whose RAMs share a register of the address.
+const WORDS_OF_A_COUNTER: usize = 8;
+
+/// The waits that RAMs of 16 words make; shorter ones are registers.
+const CLOCKS: std::ops::RangeInclusive<u32> = 4..=17;
+
+/// The signals, which are renamed, at clock `until`. `name` is that of the counter.
+pub fn wait(m: &Builder, name: &str, signals: &[(String, Signal)], until: u32) -> Vec<Signal> {
+    let from = signals.iter().filter_map(|(_, signal)| signal.time()).max().unwrap_or(0);
+    let clocks = until.saturating_sub(from);
+    if !CLOCKS.contains(&clocks) {
+        return signals.iter().map(|(_, signal)| m.at_time(signal, until)).collect();
+    }
+    // A word is read where the next one is written, and stands in the register behind a clock later.
+    let words = clocks - 1;
+    let word = Word::range(0, i128::from(words) - 1);
+    let slot = m.register_reset(name, word, 0);
+    m.on(&m.is(&slot, i128::from(words) - 1), &slot, m.constant(0, word));
+    m.always(&slot, m.wrap(&slot + 1, word));
+    let mut address = slot.clone();
+    let mut late = vec![];
+    for (nth, (word, signal)) in signals.iter().enumerate() {
+        if nth % WORDS_OF_A_COUNTER == 0 {
+            address = m.restart(&m.copy(format!("{name}_{nth}"), &slot), from);
+        }
+        let ram = m.memory(&format!("late_{word}"), words, signal.word(), vec![]).distributed();
+        ram.write(&m.bit(true), &address, &m.at_time(signal, from));
+        let read = ram.read(&format!("late_{word}_read"), &address, None);
+        late.push(m.restart(&read, until));
+    }
+    late
+}
