@@ -179,3 +179,98 @@ fn shift(cells: &mut Map<String, Value>, chain: &[String], constant: bool) {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn cell(carry_in: Value, inputs: [u64; 2], sums: [u64; 2], carry_out: u64) -> Value {
+        let mut cell = json!({
+            "type": "CCU2C",
+            "parameters": { "INIT0": "0110", "INIT1": "1001", "INJECT1_0": "NO", "INJECT1_1": "NO" },
+            "port_directions": { "CIN": "input", "COUT": "output", "S0": "output", "S1": "output" },
+            "connections": { "CIN": [carry_in], "COUT": [carry_out] },
+        });
+        for half in 0..2 {
+            cell["connections"][format!("S{half}")] = json!([sums[half]]);
+            for name in INPUTS {
+                let value = if name == "A" { json!([inputs[half]]) } else { json!(["0"]) };
+                cell["connections"][format!("{name}{half}")] = value;
+                cell["port_directions"][format!("{name}{half}")] = json!("input");
+            }
+        }
+        cell
+    }
+
+    /// A chain of two cells that reads bits 10 to 13 and makes 20 to 22, and 23 where it is wanted.
+    fn chain(constant: &str, outputs: &[u64]) -> Netlist {
+        Netlist(json!({ "modules": { "m": {
+            "ports": { "y": { "direction": "output", "bits": outputs } },
+            "cells": {
+                "high": cell(json!(30), [12, 13], [22, 23], 31),
+                "low": cell(json!(constant), [10, 11], [20, 21], 30),
+            },
+        } } }))
+    }
+
+    /// Whether the netlist puts out what it did before, for all numbers.
+    fn sums(netlist: &Netlist, numbers: u64) -> BTreeMap<u64, bool> {
+        let cells = &netlist.0["modules"]["m"]["cells"];
+        let mut bits: BTreeMap<u64, bool> = (0..4).map(|i| (10 + i, numbers >> i & 1 == 1)).collect();
+        for name in ["low", "high"] {
+            let cell = &cells[name];
+            let read = |bits: &BTreeMap<u64, bool>, port: String| match bit(cell, &port) {
+                Some(Value::String(constant)) => constant == "1",
+                Some(number) => number.as_u64().and_then(|bit| bits.get(&bit).copied()).unwrap_or(false),
+                None => false,
+            };
+            let mut carry = read(&bits, "CIN".into());
+            for half in 0..2 {
+                let inputs = INPUTS.iter().enumerate();
+                let index =
+                    inputs.map(|(i, name)| usize::from(read(&bits, format!("{name}{half}"))) << i).sum();
+                let table = cell["parameters"][format!("INIT{half}")].as_str().unwrap();
+                let table = |index: usize| table.bytes().rev().nth(index) == Some(b'1');
+                let (sum, generate) = (table(index), table(index & 3));
+                if let Some(out) = bit(cell, &format!("S{half}")).and_then(Value::as_u64) {
+                    bits.insert(out, sum ^ carry);
+                }
+                carry = if sum { carry } else { generate };
+            }
+            if let Some(out) = bit(cell, "COUT").and_then(Value::as_u64) {
+                bits.insert(out, carry);
+            }
+        }
+        bits.retain(|bit, _| (20..23).contains(bit));
+        bits
+    }
+
+    #[test]
+    fn an_unread_carry_is_disconnected_and_a_read_one_is_not() {
+        let mut netlist = chain("0", &[20, 21, 22, 23]);
+        assert_eq!(tidy(Family::Ecp5, &mut netlist), Tidied { unread_carries: 1, shifted_chains: 0 });
+        let cells = &netlist.0["modules"]["m"]["cells"];
+        assert_eq!(
+            (&cells["high"]["connections"]["COUT"], &cells["low"]["connections"]["COUT"]),
+            (&open(), &json!([30]))
+        );
+        let mut netlist = chain("0", &[20, 21, 22, 23, 31]);
+        assert_eq!(tidy(Family::Ecp5, &mut netlist), Tidied::default());
+        let mut other = chain("0", &[20]);
+        assert_eq!(tidy(Family::Ice40, &mut other), Tidied::default());
+    }
+
+    #[test]
+    fn a_chain_with_an_unused_half_makes_its_constant_itself_and_computes_the_same() {
+        for constant in ["0", "1"] {
+            let before = chain(constant, &[20, 21, 22]);
+            let mut after = before.clone();
+            assert_eq!(tidy(Family::Ecp5, &mut after), Tidied { unread_carries: 1, shifted_chains: 1 });
+            assert_eq!(after.0["modules"]["m"]["cells"]["low"]["connections"]["CIN"], open());
+            for numbers in 0..16 {
+                assert_eq!(sums(&before, numbers), sums(&after, numbers), "{constant} {numbers:b}");
+            }
+            assert!((0..16).any(|numbers| sums(&before, numbers) != sums(&before, 0)));
+        }
+    }
+}

@@ -260,8 +260,8 @@ mod tests {
     #[test]
     fn throughput_is_that_of_the_core() {
         let format = crate::fixed::Format { integer: 4, fraction: 4 };
-        let parameters = cores::cc_strip::Parameters::exact(format, 2, 4).check().unwrap();
-        // Four columns of five vertices in four clocks.
-        assert_eq!(cc_strip(parameters).unwrap().throughput.per_clock, 5.0);
+        let parameters = cores::cc_strip::Parameters::exact(format, 4, 4).check().unwrap();
+        // Sixteen columns of seventeen vertices in sixteen clocks.
+        assert_eq!(cc_strip(parameters).unwrap().throughput.per_clock, 17.0);
     }
 }
