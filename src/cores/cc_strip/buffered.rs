@@ -97,7 +97,7 @@ impl Output<'_> {
         flags.extend(sliced.then(|| ("column_end", ends.clone())));
         let flags = fifo("flags", &flags)?;
         let credits = m.instance(
-            "credits",
+            "room",
             &buffer::credits(log_depth)?,
             &[("issue", &issue), ("take", &flags.out("take"))],
         );
