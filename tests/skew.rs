@@ -88,10 +88,10 @@ fn sums_of_any_terms_and_shifts_both_ways() {
         let [a, b, c, d] = [(); 4].map(|()| coefficient());
         let sum = m.pipe("sum", a * &inputs[0] + b * &inputs[1] + c * &inputs[2] + d);
         let down = m.round(&sum, 1 + case % 7, subdiv_rtl::fixed::Rounding::HalfUp);
-        let chosen = m.select(&inputs[3], &m.rescale(&down, 0), &m.delay(&inputs[0], 1));
+        let chosen = m.select(&inputs[3], m.rescale(&down, 0), m.delay(&inputs[0], 1));
         let total = m.register_at("total", Word::modular(23), None, 1);
-        m.on(&m.delay(&inputs[3], 1), &total, m.modulo(&m.constant(5, Word::signed(4)), 23));
-        m.always(&total, &total + &m.modulo(&m.delay(&inputs[0], 1), 23));
+        m.on(&m.delay(&inputs[3], 1), &total, m.modulo(m.constant(5, Word::signed(4)), 23));
+        m.always(&total, &total + &m.modulo(m.delay(&inputs[0], 1), 23));
         m.output("chosen", m.pipe("chosen", &chosen));
         m.output("total", m.pipe("total_out", 3 * &total));
         let module = m.finish().unwrap();

@@ -187,7 +187,7 @@ fn third_by_digits(m: &Builder, x: &Signal) -> Signal {
     let range = Range::new(0, x.word().range.max / 3);
     let quotient = quotient.unwrap_or(rest);
     m.wrap(
-        &m.rescale(&quotient, x.word().fraction),
+        m.rescale(&quotient, x.word().fraction),
         Word { range, fraction: x.word().fraction, modular: false },
     )
 }
