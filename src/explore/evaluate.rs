@@ -18,7 +18,7 @@ use super::synth::{self, Synthesis};
 use super::{cc_strip, loop_fd};
 use crate::cores;
 use crate::error::{Error, Result};
-use crate::hdl::{Module, verilog};
+use crate::hdl::Module;
 use crate::package;
 
 /// What is made once for several points, and shared by the threads.
@@ -62,7 +62,7 @@ pub struct Evaluator {
 }
 
 impl Evaluator {
-    /// With `synthesise`, each core goes through Yosys as well.
+    /// With `synthesise`, each core is placed and routed as well.
     pub fn new(subjects: Vec<Subject>, synthesise: bool) -> Evaluator {
         let subjects = subjects.into_iter().map(|subject| (subject.name.hash.clone(), subject)).collect();
         let (stages, cores, worst) = (Store::new(), Store::new(), Store::new());
@@ -150,7 +150,7 @@ impl Evaluator {
         let built = core.build()?;
         let synthesis = match self.synthesise {
             false => None,
-            true => Some(synth::yosys(&built.name, &verilog::print(&built, &core.command())?)?),
+            true => Some(synth::measure(&built, &core.command())?),
         };
         Ok((Cost::of(&built), synthesis))
     }

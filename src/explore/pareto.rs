@@ -82,7 +82,7 @@ impl Candidate {
         self.register_bits = self.register_bits.max(other.cost.register_bits);
         self.engine_bits = self.engine_bits.max(other.cost.engine_bits);
         self.luts = self.luts.max(luts(other));
-        self.clock_mhz = self.clock_mhz.min(other.cost.clock_mhz);
+        self.clock_mhz = self.clock_mhz.min(clock(other));
         if other.bound_lsb > self.bound_lsb {
             self.bound_lsb = other.bound_lsb;
             self.record = other.clone();
@@ -93,6 +93,11 @@ impl Candidate {
 /// LUTs: those of the synthesis where there was one.
 fn luts(record: &Record) -> u64 {
     record.synthesis.as_ref().map_or(record.cost.luts, |found| found.luts)
+}
+
+/// The clock: that of the placed core where there is one.
+fn clock(record: &Record) -> f64 {
+    record.synthesis.as_ref().and_then(|found| found.clock_mhz).unwrap_or(record.cost.clock_mhz)
 }
 
 /// All designs of a list of results, in the order of the list, with the front of each group marked.
@@ -116,7 +121,7 @@ pub fn candidates(records: &[Record], price: Price) -> Vec<Candidate> {
             register_bits: record.cost.register_bits,
             engine_bits: record.cost.engine_bits,
             luts: luts(record),
-            clock_mhz: record.cost.clock_mhz,
+            clock_mhz: clock(record),
             meshes: 1,
             on_front: false,
             record: record.clone(),

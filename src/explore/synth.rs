@@ -1,28 +1,42 @@
-//! Real cell counts of a core, by Yosys for the ECP5.
+//! Real figures of a core, on an ECP5-85F: clock and cells from nextpnr where it is found, else cells from Yosys.
 //!
 //! ```text
-//!   Verilog ─► temporary folder ─► yosys: synth_ecp5, stat -json ─► LUT4, CCU2C, TRELLIS_FF, ...
+//!   Verilog ─► fpga: Yosys, nextpnr with one seed ─► LUTs, flip-flops, clock
+//!       └────► without nextpnr: synth_ecp5, stat -json ─► LUT4, CCU2C, TRELLIS_FF, ... and no clock
 //! ```
-//!
-//! Yosys knows no timing: the clock of a placed core needs nextpnr and is not measured here.
 
 use std::collections::BTreeMap;
 use std::process::Command;
+use std::rc::Rc;
 
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
+use crate::cosim::Settings;
 use crate::error::{Error, Kind, Result};
-use crate::hdl::verilog::SourceFile;
+use crate::fpga;
+use crate::hdl::Module;
+use crate::hdl::verilog::{self, SourceFile};
 
-/// Cells after synthesis.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+/// Where cores are placed.
+const DEVICE: &str = "ecp5-85k";
+/// The clock that nextpnr is asked for, in MHz.
+const TARGET_MHZ: f64 = 400.0;
+
+/// What the tools found.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Synthesis {
     /// Four-input LUTs, those of carries (two a cell) and of distributed memory (four a cell) included.
     pub luts: u64,
     pub flip_flops: u64,
     /// All cells by their type.
     pub cells: BTreeMap<String, u64>,
+    /// Of the placed and routed core; nothing where it was not placed, as in the records of older versions.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub clock_mhz: Option<f64>,
+    /// Where the clock was measured, or why it was not.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub clock: String,
 }
 
 /// Refuses to begin where Yosys is not there.
@@ -30,19 +44,51 @@ pub struct Synthesis {
 /// # Errors
 /// `ToolMissing`, with the line that installs it.
 pub fn check() -> Result<()> {
+    if placer().is_ok() {
+        return Ok(());
+    }
     match Command::new("yosys").arg("-V").output() {
         Ok(output) if output.status.success() => Ok(()),
         _ => Err(Error::new(Kind::ToolMissing, "yosys is not installed")
-            .help("apt-get install yosys, or leave out --synth")),
+            .help("make fpga-tools, or apt-get install yosys, or leave out --synth")),
     }
 }
 
-/// Synthesises one core.
+fn placer() -> Result<fpga::Tools> {
+    fpga::find(fpga::Device::named(DEVICE)?, &Settings::default())
+}
+
+/// Places one core where nextpnr is found, else counts its cells.
 ///
 /// # Errors
-/// `ToolMissing`; `ToolFailed` with the last lines of what Yosys said.
-pub fn yosys(top: &str, sources: &[SourceFile]) -> Result<Synthesis> {
-    check()?;
+/// `ToolMissing`; `ToolFailed` with what the tool said last.
+pub fn measure(core: &Rc<Module>, command: &str) -> Result<Synthesis> {
+    if let Err(missing) = placer() {
+        let found = yosys(&core.name, &verilog::print(core, command)?)?;
+        return Ok(Synthesis { clock: format!("not measured: {}", missing.what), ..found });
+    }
+    let throughput = fpga::Throughput { what: "vertices".into(), per_clock: 1.0 };
+    let subject =
+        fpga::Subject { name: core.name.clone(), command: command.into(), module: core.clone(), throughput };
+    let options = fpga::Options {
+        device: fpga::Device::named(DEVICE)?,
+        seeds: 1,
+        target_mhz: TARGET_MHZ,
+        cached: true,
+        settings: Settings { timeout: std::time::Duration::from_secs(7200), ..Settings::default() },
+    };
+    let report = fpga::measure(&subject, &options, &|_, _| ())?;
+    Ok(Synthesis {
+        luts: report.area.luts,
+        flip_flops: report.area.flip_flops,
+        cells: report.cells,
+        clock_mhz: Some(report.clock.median),
+        clock: format!("placed and routed on {DEVICE}, seed 1"),
+    })
+}
+
+/// Counts the cells of one core.
+fn yosys(top: &str, sources: &[SourceFile]) -> Result<Synthesis> {
     let failed = |what: String| Error::new(Kind::ToolFailed, what);
     let folder = tempfile::tempdir().map_err(|e| failed(format!("no temporary folder: {e}")))?;
     for source in sources {
@@ -77,7 +123,7 @@ fn counted(text: &str) -> Option<Synthesis> {
         found.iter().filter_map(|(name, count)| Some((name.clone(), count.as_u64()?))).collect();
     let of = |name: &str| cells.get(name).copied().unwrap_or(0);
     let luts = of("LUT4") + 2 * of("CCU2C") + 4 * of("TRELLIS_DPR16X4");
-    Some(Synthesis { luts, flip_flops: of("TRELLIS_FF"), cells })
+    Some(Synthesis { luts, flip_flops: of("TRELLIS_FF"), cells, ..Synthesis::default() })
 }
 
 #[cfg(test)]
@@ -90,5 +136,11 @@ mod tests {
         let found = counted(text).unwrap();
         assert_eq!((found.luts, found.flip_flops, found.cells.len()), (11, 5, 3));
         assert_eq!(counted("nothing"), None);
+    }
+    #[test]
+    fn records_of_older_versions_are_read() {
+        let old: Synthesis =
+            serde_json::from_str(r#"{"luts": 7, "flip_flops": 5, "cells": {"LUT4": 7}}"#).unwrap();
+        assert_eq!((old.luts, old.clock_mhz, old.clock.as_str()), (7, None, ""));
     }
 }

@@ -39,24 +39,42 @@ impl Netlist {
             .map_err(|error| Error::new(Kind::ToolFailed, format!("the netlist cannot be written: {error}")))
     }
 
-    /// The cells of a module: name and type, in order.
-    pub fn cells<'a>(&'a self, module: &str) -> impl Iterator<Item = (&'a str, &'a str)> {
-        let cells = self.0["modules"][module]["cells"].as_object();
-        let cells = cells.into_iter().flatten();
-        cells.filter_map(|(name, cell)| Some((name.as_str(), cell["type"].as_str()?)))
+    /// The cells of a module and of all modules within: path and type, in order.
+    pub fn cells<'a>(&'a self, module: &str) -> Vec<(String, &'a str)> {
+        let mut found = vec![];
+        self.gather(module, "", &mut found);
+        found
     }
 
-    /// How many cells of each type a module has.
-    pub fn census(&self, module: &str) -> Census {
-        let mut census = Census::new();
-        for (_, kind) in self.cells(module) {
-            // Scopes are notes of Yosys, not hardware.
-            if !kind.starts_with('$') {
-                *census.entry(kind.into()).or_default() += 1;
+    fn gather<'a>(&'a self, module: &str, path: &str, found: &mut Vec<(String, &'a str)>) {
+        for (name, kind) in self.own_cells(module) {
+            match self.0["modules"].get(kind).filter(|inner| inner["attributes"]["blackbox"].is_null()) {
+                Some(_) => self.gather(kind, &format!("{path}{name}."), found),
+                None => found.push((format!("{path}{name}"), kind)),
             }
         }
-        census
     }
+
+    /// The cells of a module, those within its instances left out. Scopes are notes of Yosys, not hardware.
+    fn own_cells<'a>(&'a self, module: &str) -> impl Iterator<Item = (&'a str, &'a str)> {
+        let cells = self.0["modules"][module]["cells"].as_object().into_iter().flatten();
+        let cells = cells.filter_map(|(name, cell)| Some((name.as_str(), cell["type"].as_str()?)));
+        cells.filter(|(_, kind)| !kind.starts_with('$'))
+    }
+
+    /// How many cells of each type a module has itself; an instance counts as one.
+    pub fn own_census(&self, module: &str) -> Census {
+        census(self.own_cells(module).map(|(_, kind)| kind))
+    }
+}
+
+/// How many cells there are of each type.
+pub fn census<'a>(kinds: impl Iterator<Item = &'a str>) -> Census {
+    let mut census = Census::new();
+    for kind in kinds {
+        *census.entry(kind.into()).or_default() += 1;
+    }
+    census
 }
 
 /// What a cell takes: LUTs, flip-flops, and so on, and cells of carry.
@@ -128,13 +146,17 @@ mod tests {
     fn cells_are_counted_by_what_they_take() {
         let text = br#"{ "modules": { "m": { "cells": {
             "a_LUT4_Z": { "type": "LUT4" }, "s_CCU2C_S0": { "type": "CCU2C" }, "r": { "type": "TRELLIS_FF" },
-            "scope": { "type": "$scopeinfo" }, "w": { "type": "PFUMX" }, "q": { "type": "TRELLIS_FF" }
-        } } } }"#;
+            "scope": { "type": "$scopeinfo" }, "w": { "type": "PFUMX" }, "q": { "type": "TRELLIS_FF" },
+            "adder": { "type": "inner" }
+        } }, "inner": { "cells": { "s": { "type": "TRELLIS_FF" } } } } }"#;
         let netlist = Netlist::parse(text).unwrap();
-        let census = netlist.census("m");
-        assert_eq!((census.len(), census["TRELLIS_FF"]), (4, 2));
+        let cells = netlist.cells("m");
+        assert!(cells.contains(&("adder.s".into(), "TRELLIS_FF")));
+        assert_eq!(netlist.own_census("m")["TRELLIS_FF"], 2);
+        let census = census(cells.iter().map(|(_, kind)| *kind));
+        assert_eq!((census.len(), census["TRELLIS_FF"]), (4, 3));
         let (area, carries) = area(Family::Ecp5, &census);
-        assert_eq!((area.luts, area.flip_flops, carries), (3, 2, 1));
+        assert_eq!((area.luts, area.flip_flops, carries), (3, 3, 1));
         assert_eq!(area.minus(Area { luts: 5, ..Area::default() }).luts, 0);
     }
 

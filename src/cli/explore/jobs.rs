@@ -101,7 +101,7 @@ pub struct Snakemake {
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=4096))]
     threads: u32,
 
-    /// Count real cells with Yosys in each job
+    /// Place and route the cores in each job
     #[arg(long)]
     synth: bool,
 

@@ -68,7 +68,7 @@ struct Work {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
     threads: Option<u32>,
 
-    /// Count real cells with Yosys (synth_ecp5) as well; slow, and without timing
+    /// Place and route each core on an ECP5-85F as well, or count its cells where there is no nextpnr; slow
     #[arg(long)]
     synth: bool,
 }

@@ -83,7 +83,7 @@ pub fn text(found: &Found) -> String {
         ]);
     }
     text += &table.to_string();
-    text += "\nErrors in units of the last place (lsb). Bits are counted, LUTs and MHz estimated.\n";
+    text += "\nErrors in units of the last place (lsb). Bits are counted; LUTs and MHz are estimated, with --synth placed.\n";
     if let Some((candidate, target)) = &found.recommended {
         text += &format!("\nRecommended: {}\n", advice(candidate, found.price, *target));
     }
@@ -150,8 +150,8 @@ pub fn page(found: &Found) -> Result<String> {
         ("register bits", "counted over the whole core", false),
         ("engines", "register bits of the difference engines alone", false),
         ("adder bits", "counted over the whole core", false),
-        ("LUTs", "estimated, or counted where the core was synthesised", false),
-        ("MHz", "estimated from the longest carry chain", false),
+        ("LUTs", "estimated, or placed with --synth", false),
+        ("MHz", "estimated from the longest carry chain, or placed and routed with --synth", false),
     ];
     let columns = columns.map(|(name, note, left)| Column { name: name.into(), note: note.into(), left });
     let mut sorted: Vec<&Candidate> = found.candidates.iter().collect();

@@ -48,14 +48,16 @@ pub struct Args {
 
 #[derive(Debug, clap::Subcommand)]
 enum Core {
+    /// The forward-difference engine for regular patches of Loop surfaces
     #[command(mut_arg("output", says_folder), mut_arg("no_proof", hidden), mut_arg("proof", hidden))]
     #[command(mut_arg("force", hidden))]
     LoopFd(One<generate::LoopFd>),
+    /// The sliding window for quad strips of Catmull-Clark surfaces
     #[command(mut_arg("output", says_folder), mut_arg("no_proof", hidden), mut_arg("force", hidden))]
     CcStrip(One<generate::CcStrip>),
 }
 
-/// A core with the options that `generate` has for it.
+// A core with the options that `generate` has for it. (A comment for the documentation would become the help.)
 #[derive(Debug, clap::Args)]
 struct One<C: clap::Args> {
     #[command(flatten)]
