@@ -17,37 +17,48 @@ use crate::hdl::{Builder, Module, Relation, Signal, Word};
 
 /// A rounder of numerators known modulo 2^`modulus`, for results of this range with `fraction` bits behind
 /// the point.
-///
+pub struct Rounder {
+    pub modulus: u32,
+    pub shift: u32,
+    pub result: Range,
+    pub fraction: u32,
+    pub division: Division,
+    /// Whether the numerators have the [`bias`] in them already.
+    pub biased: bool,
+}
+
+/// Half a unit for the rounding, and what makes the dividend of every result of this range positive.
+pub fn bias(shift: u32, result: Range) -> i128 {
+    (3i128 << shift >> 1) + ((3 * -result.min) << shift)
+}
+
 /// Inputs: `numerator`, and `valid`, which says when it means anything. Output: `rounded`.
 /// Whenever `valid` is 1 the numerator lies within 3 * 2^`shift` times the range of the result; that is
 /// the claim to be proved.
-pub fn build(
-    modulus: u32,
-    shift: u32,
-    result: Range,
-    fraction: u32,
-    division: Division,
-) -> Result<Rc<Module>> {
+pub fn build(rounder: Rounder) -> Result<Rc<Module>> {
+    let Rounder { modulus, shift, result, fraction, division, biased } = rounder;
     let m = Builder::new("rounder");
+    let of = if biased { "numerator, less its bias," } else { "numerator" };
     m.purpose(format!(
-        "rounded = floor(numerator / (3 * 2^{shift}) + 1/2), correctly rounded for every numerator"
+        "rounded = floor({of} / (3 * 2^{shift}) + 1/2), correctly rounded for every numerator"
     ));
     m.parameter("modulus", format!("2^{modulus}"));
     m.parameter("result", result);
     let numerator = m.input("numerator", Word::modular(modulus));
     let valid = m.input("valid", Word::bit());
 
-    let claimed = Word::from(result * (3i128 << shift));
+    let bias = bias(shift, result);
+    let mut claimed = result * (3i128 << shift);
+    if biased {
+        claimed = claimed + Range::point(bias);
+    }
     // Read as a fixed-point number, it is three times the coordinate.
     let point = (shift + fraction) as i32;
-    let claimed = claimed.fraction(point);
+    let claimed = Word::from(claimed).fraction(point);
     let numerator = m.rescale(&numerator, point);
     let exact = m.claim("exact_numerator", &numerator, claimed, Some(&valid));
-
-    // Half a unit for the rounding, and a bias that makes the dividend non-negative.
-    let bias = 3 * -result.min;
-    let biased = m.pipe("biased", &exact + ((3i128 << shift >> 1) + (bias << shift)));
-    let dividend = m.wire("dividend", m.round(&biased, shift, Rounding::Floor));
+    let positive = if biased { exact } else { m.pipe("biased", &exact + bias) };
+    let dividend = m.wire("dividend", m.round(&positive, shift, Rounding::Floor));
     let quotient = match division {
         Division::Reciprocal => third(&m, &dividend),
         Division::Digits => third_by_digits(&m, &dividend),
