@@ -44,7 +44,8 @@ fn in_digits(
     let count = WIDTH.div_ceil(digit);
     let mut simulator = Simulator::new(Flat::new(module).unwrap(), Integers);
     let id = |name: &str| simulator.flat.input(name).unwrap();
-    let (first, numbers, level) = (id("first"), (0..3).map(|i| id(&format!("i{i}"))).collect::<Vec<_>>(), id("held"));
+    let (first, numbers, level) =
+        (id("first"), (0..3).map(|i| id(&format!("i{i}"))).collect::<Vec<_>>(), id("held"));
     let outputs = simulator.flat.outputs.clone();
     let depth = u64::from(module.latency(&module.outputs[0]));
     // The clock of the first digit's pulse of each number.

@@ -23,42 +23,47 @@ pub struct Rounder {
     pub result: Range,
     pub fraction: u32,
     pub division: Division,
-    /// Whether the numerators have the [`bias`] in them already.
-    pub biased: bool,
+    /// Whether the numerators have [`half`] a unit in them already.
+    pub halved: bool,
 }
 
-/// Half a unit for the rounding, and what makes the dividend of every result of this range positive.
-pub fn bias(shift: u32, result: Range) -> i128 {
-    (3i128 << shift >> 1) + ((3 * -result.min) << shift)
+/// Half a unit of the result: 3 * 2^(shift - 1).
+pub fn half(shift: u32) -> i128 {
+    3i128 << shift >> 1
 }
 
 /// Inputs: `numerator`, and `valid`, which says when it means anything. Output: `rounded`.
 /// Whenever `valid` is 1 the numerator lies within 3 * 2^`shift` times the range of the result; that is
 /// the claim to be proved.
 pub fn build(rounder: Rounder) -> Result<Rc<Module>> {
-    let Rounder { modulus, shift, result, fraction, division, biased } = rounder;
+    let Rounder { modulus, shift, result, fraction, division, halved } = rounder;
     let m = Builder::new("rounder");
-    let of = if biased { "numerator, less its bias," } else { "numerator" };
+    let rounding = if halved { "" } else { " + 1/2" };
     m.purpose(format!(
-        "rounded = floor({of} / (3 * 2^{shift}) + 1/2), correctly rounded for every numerator"
+        "rounded = floor(numerator / (3 * 2^{shift}){rounding}), the nearest for every numerator"
     ));
     m.parameter("modulus", format!("2^{modulus}"));
     m.parameter("result", result);
     let numerator = m.input("numerator", Word::modular(modulus));
     let valid = m.input("valid", Word::bit());
 
-    let bias = bias(shift, result);
     let mut claimed = result * (3i128 << shift);
-    if biased {
-        claimed = claimed + Range::point(bias);
+    if halved {
+        claimed = claimed + Range::point(half(shift));
     }
     // Read as a fixed-point number, it is three times the coordinate.
     let point = (shift + fraction) as i32;
     let claimed = Word::from(claimed).fraction(point);
     let numerator = m.rescale(&numerator, point);
     let exact = m.claim("exact_numerator", &numerator, claimed, Some(&valid));
-    let positive = if biased { exact } else { m.pipe("biased", &exact + bias) };
-    let dividend = m.wire("dividend", m.round(&positive, shift, Rounding::Floor));
+    // A bias makes the dividend non-negative; of a power of two it takes few bits.
+    let bias = 3 * -result.min;
+    let dividend = if halved {
+        m.pipe("biased", &m.round(&exact, shift, Rounding::Floor) + bias)
+    } else {
+        let biased = m.pipe("biased", &exact + (half(shift) + (bias << shift)));
+        m.wire("dividend", m.round(&biased, shift, Rounding::Floor))
+    };
     let quotient = match division {
         Division::Reciprocal => third(&m, &dividend),
         Division::Digits => third_by_digits(&m, &dividend),

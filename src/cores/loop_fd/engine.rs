@@ -125,7 +125,7 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
             result: parameters.output_range(),
             fraction: parameters.output_fraction,
             division: if parameters.chunk.is_some() { Division::Digits } else { Division::Reciprocal },
-            biased: false,
+            halved: false,
         })?,
         Precision::Reduced(reduced) => vertex::build(parameters, reduced)?,
     };

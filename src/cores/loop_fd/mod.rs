@@ -246,8 +246,8 @@ impl Parameters {
     }
 
     /// What the numerators of all vertices have in them where there are lanes.
-    fn bias(self) -> i128 {
-        if self.lanes.is_some() { rounder::bias(self.shift(), self.output_range()) } else { 0 }
+    fn half(self) -> i128 {
+        if self.lanes.is_some() { rounder::half(self.shift()) } else { 0 }
     }
 
     /// Vertices in a beat.

@@ -160,9 +160,9 @@ fn differences(m: &Builder, parameters: Parameters, p: &[Signal], level: &Signal
     let thrice = |name: &str, x: &Signal| if exact { m.pipelined(name, 3 * x) } else { x.clone() };
     // Rows of the table, in the order of DIFFERENCES.
     let rows = [
-        match parameters.bias() {
+        match parameters.half() {
             0 => d_c00.clone(),
-            bias => m.pipelined("n00_sum", &d_c00 + bias),
+            half => m.pipelined("n00_sum", &d_c00 + half),
         },
         m.pipelined("n10_sum", 2 * &c_c10 + 6 * &b_c20 + 2 * &a_c30 + &g),
         m.pipelined("n20_sum", 6 * twice * &m.pipelined("bc20_ac30", &b_c20 + &a_c30) + 7 * twice * &g),

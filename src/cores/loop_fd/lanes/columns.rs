@@ -36,7 +36,7 @@ pub fn build(parameters: Parameters, lanes: u32) -> Result<Rc<Module>> {
         result: parameters.output_range(),
         fraction: parameters.output_fraction,
         division: if parameters.digit().is_some() { Division::Digits } else { Division::Reciprocal },
-        biased: true,
+        halved: true,
     })?;
     let running = Columns { m: &m, parameters, strip: &strip, step: &step };
     let mut vertices = vec![];

@@ -13,8 +13,8 @@
 //! run meanwhile do not wait for it. Digit after digit, a head goes from the outer differences to its column, whose
 //! chunks take it one clock after the other, as skewed numbers do.
 //!
-//! A vertex is a numerator over 3 * 2^s, rounded. Half a unit for the rounding, and what makes all numerators
-//! positive, is added once, to the first difference of the patch: the basis sums to 1, so that every vertex has it.
+//! A vertex is a numerator over 3 * 2^s, rounded. Half a unit for the rounding is added once, to the first difference of
+//! the patch: the basis sums to 1, so that every vertex has it.
 
 mod columns;
 mod control;
