@@ -12,7 +12,7 @@ use super::core;
 use super::dut::{Dut, Latency, Stimulus};
 use super::loop_traffic::Traffic;
 pub use super::loop_traffic::extra_fraction;
-use crate::cores::loop_fd::{Parameters, startup_depth};
+use crate::cores::loop_fd::{HOP, Parameters, startup_depth};
 use crate::error::{Error, Result};
 use crate::hdl::skew::LEAD;
 use crate::hdl::{Module, verilog};
@@ -199,13 +199,14 @@ pub fn depths(core: &Module) -> loop_fd_clocks::Depths {
     let lanes = declared("lanes").map(|count| Lanes { count, digits: declared("digits").unwrap_or(1) });
     let engine = instance(if lanes.is_some() { "columns_x" } else { "engine_x" });
     let engine = engine.and_then(|i| Some(i.module.latency(i.module.outputs.first()?)));
+    let rounder = engine.unwrap_or(0) + lanes.map_or(0, |_| HOP);
     let fifo = instance("output_fifo").and_then(|i| i.module.memories.first()).map_or(1, |m| m.depth);
     // A patch is there with its last digit; the first one comes a clock behind the pulse that announces it.
     let startup = match lanes.map_or(1, |lanes| lanes.digits) {
         1 => startup_depth(core),
         digits => startup_depth(core) + digits - 1 - LEAD,
     };
-    loop_fd_clocks::Depths { startup, rounder: engine.unwrap_or(0), fifo, lanes }
+    loop_fd_clocks::Depths { startup, rounder, fifo, lanes }
 }
 
 /// The core as a device under test, with the latency that its testbench asserts.

@@ -62,16 +62,28 @@ pub fn fold_choices(module: &mut Value) -> u64 {
     let edits: Vec<_> = plans.iter().flat_map(|plan| fold.edits(plan)).collect();
     let Some(cells) = module["cells"].as_object_mut() else { return 0 };
     let mut saved = BTreeSet::new();
-    for Edit { half: (name, half), pins, table, sum } in edits {
-        let cell = &mut cells[&name];
-        for (input, pin) in INPUTS.iter().zip(pins) {
-            cell["connections"][format!("{input}{half}")] = pin;
-        }
-        cell["parameters"][format!("INIT{half}")] = json!(format!("{table:016b}"));
-        if let Some((lut, out)) = sum {
-            cell["connections"][format!("S{half}")] = out;
-            saved.insert(lut);
-        }
+    for edit in edits {
+        edit.apply(cells);
+        saved.extend(edit.sum.map(|(lut, _)| lut));
+    }
+    cells.retain(|name, _| !saved.contains(name));
+    saved.len() as u64
+}
+
+/// LUTs in front of an adder that nothing else reads go into its halves where these have pins for what they read, as for
+/// `(load ? n : a) + (load ? 0 : b)`; returns how many LUTs that saves.
+pub fn absorb_operands(module: &mut Value) -> u64 {
+    let nets = Nets::of(module);
+    let Some(cells) = module["cells"].as_object() else { return 0 };
+    let fold = Fold { cells, nets };
+    let carries = cells.iter().filter(|(_, cell)| cell["type"] == "CCU2C");
+    let halves = carries.flat_map(|(name, _)| [(name.clone(), 0), (name.clone(), 1)]);
+    let edits: Vec<(Edit, Vec<String>)> = halves.filter_map(|half| fold.absorbed(&half)).collect();
+    let Some(cells) = module["cells"].as_object_mut() else { return 0 };
+    let mut saved = BTreeSet::new();
+    for (edit, luts) in edits {
+        edit.apply(cells);
+        saved.extend(luts);
     }
     cells.retain(|name, _| !saved.contains(name));
     saved.len() as u64
@@ -84,6 +96,20 @@ struct Edit {
     table: u16,
     /// The LUT that it replaces, and the net that it drives in its place.
     sum: Option<(String, Value)>,
+}
+
+impl Edit {
+    fn apply(&self, cells: &mut Map<String, Value>) {
+        let (name, half) = &self.half;
+        let cell = &mut cells[name];
+        for (input, pin) in INPUTS.iter().zip(&self.pins) {
+            cell["connections"][format!("{input}{half}")] = pin.clone();
+        }
+        cell["parameters"][format!("INIT{half}")] = json!(format!("{:016b}", self.table));
+        if let Some((_, out)) = &self.sum {
+            cell["connections"][format!("S{half}")] = out.clone();
+        }
+    }
 }
 
 struct Fold<'a> {
@@ -192,6 +218,37 @@ impl Fold<'_> {
     fn edits(&self, plan: &Plan) -> Vec<Edit> {
         let edit = |(half, lut): &(Half, Option<String>)| self.edit(half, lut.as_deref(), plan.choice);
         plan.halves.iter().filter_map(edit).collect()
+    }
+
+    /// The half with LUTs before it in it, and which: all that fit, else one that does.
+    fn absorbed(&self, half: &Half) -> Option<(Edit, Vec<String>)> {
+        let cell = &self.cells[&half.0];
+        let own = Function::of_half(cell, half.1)?;
+        let lut = |net: &u64| {
+            let (name, _) = self.nets.drivers.get(net)?;
+            let lut = self.cells.get(name).filter(|cell| cell["type"] == "LUT4")?;
+            let alone = self.nets.readers(*net).len() == 1;
+            Some((*net, name.clone(), Function::of_lut(lut).filter(|_| alone)?))
+        };
+        let luts: Vec<(u64, String, Function)> = own.nets.iter().filter_map(lut).collect();
+        let groups = [luts.as_slice()].into_iter().chain(luts.chunks(1)).filter(|group| !group.is_empty());
+        groups.into_iter().find_map(|group| {
+            let inside = |net: &u64| group.iter().find(|(out, ..)| out == net);
+            let mut nets: Vec<u64> = own.nets.iter().copied().filter(|net| inside(net).is_none()).collect();
+            nets.extend(group.iter().flat_map(|(.., function)| function.nets.iter().copied()));
+            nets.sort_unstable();
+            nets.dedup();
+            let within = |value: &dyn Fn(u64) -> bool, net: u64| match inside(&net) {
+                Some((.., function)) => function.at(value),
+                None => value(net),
+            };
+            let passes = |value: &dyn Fn(u64) -> bool| own.at(&|net| within(value, net));
+            let generates = |value: &dyn Fn(u64) -> bool| carried(cell, half.1, &|net| within(value, net));
+            let (pins, table) = fit(&nets, &passes, &generates)?;
+            let pins = pins.map(|pin| pin.map_or(json!(["1"]), |net| json!([net])));
+            let names = group.iter().map(|(_, name, _)| name.clone()).collect();
+            Some((Edit { half: half.clone(), pins, table, sum: None }, names))
+        })
     }
 
     /// The half with the choice in it.

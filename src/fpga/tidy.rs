@@ -19,7 +19,7 @@ use serde_json::{Map, Value, json};
 
 use super::device::Family;
 use super::fan_out::copy_registers;
-use super::fold::fold_choices;
+use super::fold::{absorb_operands, fold_choices};
 use super::netlist::Netlist;
 use super::nets::{bit, open};
 
@@ -30,6 +30,8 @@ pub struct Tidied {
     pub unread_carries: u64,
     /// LUTs of choices that went into the adders before them.
     pub folded_choices: u64,
+    /// LUTs of operands that went into the adders behind them.
+    pub absorbed_operands: u64,
     /// Chains whose constant carry-in is made in a half that was unused.
     pub shifted_chains: u64,
     /// Copies of registers with many readers.
@@ -46,6 +48,7 @@ pub fn tidy(family: Family, netlist: &mut Netlist) -> Tidied {
     for (_, module) in modules.iter_mut() {
         tidied.unread_carries += drop_unread_carries(module);
         tidied.folded_choices += fold_choices(module);
+        tidied.absorbed_operands += absorb_operands(module);
         tidied.shifted_chains += shift_chains(module);
         tidied.copied_registers += copy_registers(module);
     }

@@ -182,6 +182,7 @@ pub fn serial(module: &Rc<Module>, digit: u32, count: u32, held: &[&str]) -> Res
     m.purpose(format!("Numbers in {count} digits of {digit} bits, one a clock, the lowest first."));
     module.parameters.iter().for_each(|(name, value)| m.parameter(name, value));
     m.parameter("digit", digit);
+    m.separate();
     let first = m.input("first", Word::bit());
     let digits = Digits::new(&m, digit, count, &first);
     let mut values: Vec<Option<Value>> = vec![None; module.nodes.len()];

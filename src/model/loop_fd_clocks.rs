@@ -126,6 +126,8 @@ struct Machine {
     length: u64,
     pairs_left: u64,
     lanes: Option<Control>,
+    /// Whether lanes have taken a patch in the clock before.
+    taken: bool,
     // Output.
     credits: u32,
     has_room: bool,
@@ -188,7 +190,12 @@ impl Machine {
         if self.lanes.is_none() {
             self.strips(issue, load);
         }
-        if load.is_some() {
+        // Lanes tell the loader a clock later, out of a register.
+        let taken = match self.lanes {
+            Some(_) => std::mem::replace(&mut self.taken, load.is_some()),
+            None => load.is_some(),
+        };
+        if taken {
             self.waiting = None;
         }
 
@@ -200,7 +207,7 @@ impl Machine {
         if leaving {
             self.arriving = Some((self.now + 1 + u64::from(self.depths.startup), self.loading_level));
         }
-        self.reserved = (strobe && self.axis == 0) || (self.reserved && load.is_none());
+        self.reserved = (strobe && self.axis == 0) || (self.reserved && !taken);
         let opens = strobe && self.axis == if digits == 1 { 1 } else { 2 };
         if strobe {
             self.axis = (self.axis + 1) % 3;

@@ -49,6 +49,7 @@ use crate::fixed::{Format, Precision, Range, Rounding};
 use crate::hdl::{Module, Word};
 
 pub use engine::DIFFERENCES;
+pub use lanes::HOP;
 
 /// How the differences are kept.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]

@@ -115,11 +115,18 @@ pub(super) fn arrivals(m: &Builder, parameters: Parameters) -> Result<Arrivals> 
     let registered = |name: &str| m.restart(&loader.out(name), 0);
     let [strobe, axis_x, axis_y] = ["strobe", "axis_x", "axis_y"].map(registered);
     let beat = [0, 1, 2].map(|i| m.pipe(format!("point_{}", AXES[i]), &points.lanes[i]));
-    // In chunks, single bits come before the numbers they belong to.
     let digit = parameters.lanes.and(parameters.digit());
     let chunk = if parameters.lanes.is_some() { None } else { parameters.chunk };
     let lead = if chunk.is_some() { LEAD } else { 0 };
+    // In chunks, single bits come before the numbers they belong to. In front of digits, all banks are told out of registers.
     let beat = beat.map(|point| m.restart(&m.delay(&m.restart(&point, 0), lead), lead));
+    let (shift, beat) = match digit {
+        None => (shift, beat),
+        Some(_) => {
+            let later = |signal: &Signal| m.restart(&m.delay(signal, 1), 0);
+            (later(&m.restart(&shift, 0)), [0, 1, 2].map(|axis: usize| later(&beat[axis])))
+        }
+    };
     let mut inputs: Vec<(&str, &Signal)> = vec![("shift", &shift), ("axis_x", &axis_x), ("axis_y", &axis_y)];
     inputs.extend(["point_x", "point_y", "point_z"].into_iter().zip(&beat));
     let level = if parameters.has_one_level() {

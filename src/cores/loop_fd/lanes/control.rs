@@ -16,8 +16,8 @@ use crate::error::Result;
 use crate::hdl::serial::Turn;
 use crate::hdl::{Builder, Module, Signal, Word};
 
-/// Inputs: `waiting` (a patch is ready, of `level`), `has_room` (a beat may be issued). Outputs: `taken` (the patch is
-/// no longer waiting), and a clock later, out of registers, `load`, `advance` for the outer differences, and for the
+/// Inputs: `waiting` (a patch is ready, of `level`), `has_room` (a beat may be issued). Outputs, out of registers: `load`
+/// (the patch is no longer waiting) and `advance` for the outer differences, and for the
 /// columns a clock after that `take_k`; `strip`, `step`; for the beat that leaves `valid`, `keep_k` (column k has a
 /// vertex in it), `strip_end`, `patch_start`, `patch_end`.
 pub fn build(parameters: Parameters, lanes: u32) -> Result<Rc<Module>> {
@@ -107,7 +107,6 @@ pub fn build(parameters: Parameters, lanes: u32) -> Result<Rc<Module>> {
     m.on(&fire, &fresh, &made_first);
     m.on(&valid, &fresh, m.bit(false));
 
-    m.output("taken", m.wire("taken", &load));
     let registered = |name: &str, now: &Signal| m.restart(&m.pipe_reset(name, now, 0), 0);
     m.output("load", registered("load", &load));
     let advances = registered("advance", &advance);

@@ -21,4 +21,5 @@ mod control;
 mod outer;
 mod top;
 
+pub use top::HOP;
 pub(super) use top::build;

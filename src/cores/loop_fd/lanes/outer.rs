@@ -73,6 +73,8 @@ fn whole(m: &Builder, parameters: Parameters) {
 fn in_digits(m: &Builder, parameters: Parameters, size: u32) {
     let count = parameters.digits();
     m.parameter("digit", size);
+    // What says which digit it is belongs beside the digits of this coordinate.
+    m.separate();
     let [capture, load, advance] = ["capture", "load", "advance"].map(|name| m.input(name, Word::bit()));
     let digits = Digits::new(m, size, count, &advance);
     // Each of the three goes on through all digits.
@@ -104,14 +106,17 @@ fn in_digits(m: &Builder, parameters: Parameters, size: u32) {
         last.insert((k, l), highest);
     }
     for (kl, lowest) in &first {
+        // Chosen before the adder, where the choice takes no cell of its own: n + 0 or D + D'.
+        let start = m.select(&loading, &waiting[kl], lowest);
         let next = match higher(*kl) {
             Some((of, shift)) => {
                 let of = digits.shift_bits(&first[&of], shift, digits.more());
-                digits.add([(lowest, false), (&of, false)], digits.more())
+                let of = m.select(&loading, m.constant(0, word), &of);
+                digits.add([(&start, false), (&of, false)], digits.more())
             }
-            None => lowest.clone(),
+            None => start,
         };
-        m.on(&outer_turns, &last[kl], m.select(&loading, &waiting[kl], &next));
+        m.on(&outer_turns, &last[kl], &next);
     }
     for l in 0..4 {
         m.output(format!("last_{l}"), m.pipe(format!("last_{l}"), &first[&(0, l)]));

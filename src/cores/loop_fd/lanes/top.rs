@@ -9,6 +9,14 @@ use crate::error::Result;
 use crate::hdl::skew::{LEAD, SkewedPorts, skew};
 use crate::hdl::{Builder, Module, Signal, Word};
 
+/// Clocks from what is common to all coordinates to each of them.
+pub const HOP: u32 = 1;
+
+/// A register of its own for each coordinate, so that nothing is decided on the way there.
+fn nearer(m: &Builder, axis: &str, name: &str, signal: &Signal) -> Signal {
+    m.copy(format!("{axis}_{name}"), signal)
+}
+
 pub fn build(parameters: Parameters, lanes: u32) -> Result<Rc<Module>> {
     let m = Builder::new("loop_fd");
     m.purpose(
@@ -22,8 +30,8 @@ pub fn build(parameters: Parameters, lanes: u32) -> Result<Rc<Module>> {
     let has_room = m.forward("has_room", Word::bit());
     let inputs = [("waiting", &waiting), ("level", &level), ("has_room", &has_room)];
     let control = m.instance("control", &control::build(parameters, lanes)?, &inputs);
-    m.drive(&taken, control.out("taken"));
     let registered = |name: &str| m.restart(&control.out(name), 0);
+    m.drive(&taken, registered("load"));
     let named = |names: Vec<String>| -> Vec<(String, Signal)> {
         names.into_iter().map(|name| (name.clone(), registered(&name))).collect()
     };
@@ -44,8 +52,13 @@ pub fn build(parameters: Parameters, lanes: u32) -> Result<Rc<Module>> {
     };
     let mut vertices: Vec<Vec<Signal>> = vec![];
     for (axis, capture) in AXES.iter().zip(&captures) {
-        let mut inputs: Vec<(&str, &Signal)> = vec![("capture", capture)];
-        inputs.extend(steps.iter().chain(&differences).map(|(name, signal)| (name.as_str(), signal)));
+        let nearer = |signals: &mut dyn Iterator<Item = &(String, Signal)>| -> Vec<(String, Signal)> {
+            signals.map(|(name, signal)| (name.clone(), nearer(&m, axis, name, signal))).collect()
+        };
+        let capture = ("capture".to_string(), capture.clone());
+        let inputs = nearer(&mut [&capture].into_iter().chain(&steps).chain(&differences));
+        let inputs: Vec<(&str, &Signal)> =
+            inputs.iter().map(|(name, signal)| (name.as_str(), signal)).collect();
         let placed = m.instance(&format!("outer_{axis}"), &outer, &inputs);
         let head = |name: String, word: Word| {
             let bits = placed.out(&name);
@@ -57,12 +70,13 @@ pub fn build(parameters: Parameters, lanes: u32) -> Result<Rc<Module>> {
                     m.wrap(&wide, word)
                 }
             };
-            (name, m.restart(&number, lead))
+            (name, m.restart(&number, HOP + lead))
         };
         let orders = (0..4).flat_map(|l| ["last", "next"].map(|side| (format!("{side}_{l}"), (0, l))));
         let orders = orders.chain([("fourth".into(), (1, 3))]);
         let heads: Vec<(String, Signal)> =
             orders.map(|(name, kl)| head(name, parameters.difference(kl))).collect();
+        let rows = nearer(&mut rows.iter());
         let inputs = rows.iter().chain(&heads).map(|(name, signal)| (name.as_str(), signal));
         let placed = m.instance(&format!("columns_{axis}"), &columns, &inputs.collect::<Vec<_>>());
         vertices.push((0..=lanes).map(|k| placed.out(&format!("v{k}"))).collect());
