@@ -23,6 +23,9 @@ const UNSEEN: i128 = 2;
 /// never used: a FIFO this much deeper than its pipeline keeps it busy.
 pub const OVERHEAD: u32 = 10;
 
+/// Bits that one signal takes from the RAM.
+const MOST_TAKEN: u32 = 48;
+
 /// A FIFO of 2^`log_depth` words made of `lanes`.
 ///
 /// Inputs: `issue` (a word entered the pipeline in the clock before), `push` and the lanes (a word leaves it), `ready`.
@@ -38,7 +41,8 @@ pub fn build(log_depth: u32, lanes: &[(String, Word)]) -> Result<Rc<Module>> {
     let [written, read] = ["written", "read"].map(|name| m.register_reset(name, pointer, 0));
     let valid = m.register_reset("valid", Word::bit(), 0);
     let filled = m.register_reset("filled", Word::bit(), 0);
-    let take = m.wire("take", &filled & &(!&valid | &ready));
+    let takes = |filled: &Signal, valid: &Signal| filled & &(!valid | &ready);
+    let take = m.wire("take", takes(&filled, &valid));
 
     m.on(&push, &written, m.wrap(&written + 1, pointer));
     m.on(&take, &read, m.wrap(&read + 1, pointer));
@@ -56,7 +60,8 @@ pub fn build(log_depth: u32, lanes: &[(String, Word)]) -> Result<Rc<Module>> {
     let at_least = |count: &Signal, least: i128| {
         m.compare(Relation::LessOrEqual, m.constant(least, Word::range(0, least)), count)
     };
-    m.always(&filled, m.wire("stays_filled", &at_least(&stored, 2) | &(&at_least(&stored, 1) & !&take)));
+    let stays_filled = m.wire("stays_filled", &at_least(&stored, 2) | &(&at_least(&stored, 1) & !&take));
+    m.always(&filled, &stays_filled);
 
     // All words of the RAM but one: a full RAM would look like an empty one.
     let credits = counted("credits", depth - 1, &take, &issue);
@@ -65,7 +70,19 @@ pub fn build(log_depth: u32, lanes: &[(String, Word)]) -> Result<Rc<Module>> {
     m.output("has_room", &has_room);
 
     m.output("valid", &valid);
+    // Many bits at once are taken by several signals, each decided from registers of its own.
+    let (mut take, mut bits) = (take, 0);
     for ((name, word), input) in lanes.iter().zip(&inputs) {
+        if bits + word.width() > MOST_TAKEN {
+            let copy = |name: &str| m.unmerged(m.register_reset(format!("{name}_copy"), Word::bit(), 0));
+            let (filled, valid) = (copy("filled"), copy("valid"));
+            take = m.wire("take_copy", takes(&filled, &valid));
+            m.always(&filled, &stays_filled);
+            m.on(&take, &valid, m.bit(true));
+            m.on(&ready, &valid, m.bit(false));
+            bits = 0;
+        }
+        bits += word.width();
         let ram = m.memory(&format!("ram_{name}"), depth as u32, *word, vec![]);
         ram.write(&push, &written, input);
         let lane = m.restart(&ram.read(&format!("read_{name}"), &read, Some(&take)), 0);

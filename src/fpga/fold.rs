@@ -80,13 +80,17 @@ pub fn absorb_operands(module: &mut Value) -> u64 {
     let halves = carries.flat_map(|(name, _)| [(name.clone(), 0), (name.clone(), 1)]);
     let edits: Vec<(Edit, Vec<String>)> = halves.filter_map(|half| fold.absorbed(&half)).collect();
     let Some(cells) = module["cells"].as_object_mut() else { return 0 };
-    let mut saved = BTreeSet::new();
+    let mut absorbed = BTreeSet::new();
     for (edit, luts) in edits {
         edit.apply(cells);
-        saved.extend(luts);
+        absorbed.extend(luts);
     }
-    cells.retain(|name, _| !saved.contains(name));
-    saved.len() as u64
+    let nets = Nets::of(module);
+    let Some(cells) = module["cells"].as_object_mut() else { return 0 };
+    let before = cells.len();
+    let read = |cell: &Value| net(cell, "Z").is_some_and(|out| !nets.readers(out).is_empty());
+    cells.retain(|name, cell| !absorbed.contains(name) || read(cell));
+    (before - cells.len()) as u64
 }
 
 /// A half as it is to be.
@@ -227,8 +231,10 @@ impl Fold<'_> {
         let lut = |net: &u64| {
             let (name, _) = self.nets.drivers.get(net)?;
             let lut = self.cells.get(name).filter(|cell| cell["type"] == "LUT4")?;
+            let function = Function::of_lut(lut)?;
+            // An inverter costs its readers no pin, however many there are.
             let alone = self.nets.readers(*net).len() == 1;
-            Some((*net, name.clone(), Function::of_lut(lut).filter(|_| alone)?))
+            (alone || function.nets.len() == 1).then(|| (*net, name.clone(), function))
         };
         let luts: Vec<(u64, String, Function)> = own.nets.iter().filter_map(lut).collect();
         let groups = [luts.as_slice()].into_iter().chain(luts.chunks(1)).filter(|group| !group.is_empty());

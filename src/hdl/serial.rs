@@ -7,7 +7,7 @@
 //!   first      1      0        0            0              (a clock earlier: see LEAD)
 //! ```
 //!
-//! An adder keeps its carry in a register between digits, which the last digit clears. A shift to the left by whole
+//! An adder keeps its carry in a register between digits. A shift to the left by whole
 //! digits is a delay with zeros in the lowest ones; by bits, a register for those that cross over. The digits of a
 //! number are those of a word of n of them: numbers that a module keeps in narrower words, and that fit those, have
 //! their sign in the digits above. Such words are proved to hold their numbers; here they cost nothing.
@@ -30,8 +30,7 @@ pub struct Digits {
     size: u32,
     /// 1 in the clock of digit j of numbers of the clock that `flags[0]` is of.
     flags: Vec<Signal>,
-    /// 1 in the clocks of all digits but the last.
-    more: Signal,
+    done: Signal,
 }
 
 impl Digits {
@@ -39,16 +38,21 @@ impl Digits {
     /// follow.
     pub fn new(m: &Builder, size: u32, count: u32, first: &Signal) -> Digits {
         let name = first.name().unwrap_or_else(|| "first".into());
-        let ahead = following(m, first, count);
-        let all_but_last = m.any(&ahead[..count as usize - 1].iter().collect::<Vec<_>>());
-        let more = m.pipe_reset(format!("{name}_more"), &all_but_last, 0);
-        let flags = ahead.iter().map(|flag| m.pipe_reset(format!("{name}_digit"), flag, 0));
-        Digits { m: m.clone(), size, flags: flags.collect(), more }
+        let ahead = following(m, first, count, None);
+        let more = m.any(&ahead[..count as usize - 1].iter().collect::<Vec<_>>());
+        let done = m.pipe(format!("{name}_done"), !&more);
+        let flags = ahead.iter().map(|flag| m.pipe(format!("{name}_digit"), flag));
+        Digits { m: m.clone(), size, flags: flags.collect(), done }
     }
 
-    /// 1 in the clocks of all digits but the last, of numbers of the clock after `first`.
-    pub fn more(&self) -> &Signal {
-        &self.more
+    /// The sum of two numbers of the clock after `first`.
+    pub fn sum(&self, a: &Signal, b: &Signal) -> Signal {
+        self.add([(a, false), (b, false)])
+    }
+
+    /// A number of the clock after `first` times 2^`bits`, fewer than a digit has.
+    pub fn times(&self, digit: &Signal, bits: u32) -> Signal {
+        self.shift_bits(digit, bits)
     }
 
     /// A flag at the clock of a number.
@@ -56,31 +60,22 @@ impl Digits {
         self.m.at_time(flag, number.time().unwrap_or(0))
     }
 
-    /// A register that holds something from one digit to the next, and `start` before the first.
-    fn between(&self, name: &str, width: u32, time: u32) -> Signal {
-        self.m.register_at(name, Word::unsigned(width), None, time)
-    }
-
-    fn keep(&self, register: &Signal, more: &Signal, value: &Signal, start: i128) {
-        // Chosen, not masked: synthesis makes it the reset of the register.
-        self.m.always(register, self.m.select(more, value, self.m.constant(start, value.word())));
-    }
-
     /// The sum of two digits that come at one time, or the difference: either may be inverted.
-    pub fn add(&self, [a, b]: [(&Signal, bool); 2], more: &Signal) -> Signal {
+    fn add(&self, [a, b]: [(&Signal, bool); 2]) -> Signal {
         let m = &self.m;
         let time = a.0.time().max(b.0.time()).unwrap_or(0);
         let bits = |(digit, inverted): (&Signal, bool)| {
             let digit = m.at_time(digit, time);
             if inverted { m.wire("inverted", !&digit) } else { digit }
         };
-        let start = i128::from(a.1 || b.1);
+        let start = m.bit(a.1 || b.1);
         let one = m.bit(true);
-        let carry = self.between("carry", 1, time);
-        let (a, b) = (m.concat(&[&bits(a), &one]), m.concat(&[&bits(b), &carry]));
+        // The carry of the number before ends here, where it enters, so that its register needs no reset.
+        let carry = m.register_at("carry", Word::bit(), None, time);
+        let carry_in = m.select(&m.at_time(&self.flags[0], time), &start, &carry);
+        let (a, b) = (m.concat(&[&bits(a), &one]), m.concat(&[&bits(b), &carry_in]));
         let sum = m.wrap(&a + &b, Word::unsigned(self.size + 2));
-        let out = m.slice(&sum, self.size + 1, 1);
-        self.keep(&carry, more, &out, start);
+        m.always(&carry, m.slice(&sum, self.size + 1, 1));
         m.slice(&sum, 1, self.size)
     }
 
@@ -88,7 +83,7 @@ impl Digits {
     fn shift(&self, digit: &Signal, amount: u32) -> Signal {
         let m = &self.m;
         let (whole, bits) = ((amount / self.size) as usize, amount % self.size);
-        let mut digit = self.shift_bits(digit, bits, &self.at(&self.more, digit));
+        let mut digit = self.shift_bits(digit, bits);
         let time = digit.time().unwrap_or(0);
         for place in 1..=whole {
             // Digit j is digit j - whole of the number, which the last of the registers takes a clock before.
@@ -105,14 +100,16 @@ impl Digits {
     }
 
     /// The number times 2^`bits`, fewer than a digit has.
-    pub fn shift_bits(&self, digit: &Signal, bits: u32, more: &Signal) -> Signal {
+    fn shift_bits(&self, digit: &Signal, bits: u32) -> Signal {
         if bits == 0 {
             return digit.clone();
         }
         let m = &self.m;
         let crossing = m.slice(digit, self.size - bits, bits);
-        let crossed = self.between("crossed", bits, digit.time().unwrap_or(0));
-        self.keep(&crossed, more, &crossing, 0);
+        let crossed = m.register_at("crossed", crossing.word(), None, digit.time().unwrap_or(0));
+        // Chosen, not masked: synthesis makes it the reset of the register.
+        let done = self.at(&self.done, digit);
+        m.always(&crossed, m.select(&done, m.constant(0, crossing.word()), &crossing));
         m.concat(&[&m.slice(digit, 0, self.size - bits), &crossed])
     }
 
@@ -134,15 +131,15 @@ impl Digits {
 }
 
 /// The pulse, and where it was 1 so many clocks ago: all of the clock of the pulse, `count` in all.
-pub fn following(m: &Builder, pulse: &Signal, count: u32) -> Vec<Signal> {
+pub fn following(m: &Builder, pulse: &Signal, count: u32, reset: Option<i128>) -> Vec<Signal> {
     let (time, mut flags) = (pulse.time().unwrap_or(0), vec![]);
     let name = pulse.name().unwrap_or_else(|| "pulse".into());
     for clocks in 0..count {
-        let flag = match flags.last() {
-            Some(last) => m.restart(&m.pipe_reset(format!("{name}_after_{clocks}"), last, 0), time),
-            None => pulse.clone(),
+        let later = |last: &Signal| {
+            let name = format!("{name}_after_{clocks}");
+            reset.map_or_else(|| m.pipe(name.clone(), last), |reset| m.pipe_reset(name.clone(), last, reset))
         };
-        flags.push(flag);
+        flags.push(flags.last().map_or_else(|| pulse.clone(), |last| m.restart(&later(last), time)));
     }
     flags
 }
@@ -163,7 +160,7 @@ impl Turn {
     /// Where one begins.
     pub fn begins(&self, m: &Builder, pulse: &Signal) {
         if self.clocks > 1 {
-            let behind = following(m, pulse, self.clocks - 1);
+            let behind = following(m, pulse, self.clocks - 1, Some(0));
             let next = m.any(&behind.iter().collect::<Vec<_>>());
             m.drive(&self.busy, m.restart(&m.pipe_reset("turning_now", &next, 0), 0));
         }
@@ -300,16 +297,9 @@ fn sum(
     let zero = |digit: &Signal| digits.m.constant(0, digit.word());
     let mut operands = operands.into_iter();
     let Some((first, inverted)) = operands.next() else { return Ok(digits.constant(0, 0)) };
-    let mut sum = if inverted {
-        let more = digits.at(&digits.more, &first);
-        digits.add([(&zero(&first), false), (&first, true)], &more)
-    } else {
-        first
-    };
+    let mut sum = if inverted { digits.add([(&zero(&first), false), (&first, true)]) } else { first };
     for (digit, inverted) in operands {
-        let time = sum.time().max(digit.time()).unwrap_or(0);
-        let more = digits.m.at_time(&digits.more, time);
-        sum = digits.add([(&sum, false), (&digit, inverted)], &more);
+        sum = digits.add([(&sum, false), (&digit, inverted)]);
     }
     Ok(sum)
 }

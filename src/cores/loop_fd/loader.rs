@@ -48,17 +48,23 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
     m.on(&leaving, &axis, m.constant(0, axis.word()));
     m.on(&strobe, &axis, m.wrap(&next_axis, axis.word()));
 
-    // 0 .. 11: the number of points here; 12: too many, skip to the end of the packet.
+    // 0 .. 11: the number of points here; 12: too many, skip to the end of the packet. What is decided from it stands in
+    // registers, one for each verdict.
     let count = m.register_reset("count", Word::range(0, 12), 0);
-    let overlong = m.is(&count, 12);
-    let counted = m.wrap(&count + 1, count.word());
+    let eleven = m.register_reset("eleven", Word::bit(), 0);
+    let overlong = m.register_reset("overlong", Word::bit(), 0);
     let end = m.wire("packet_end", &beat & &beat_last);
+    let counts = m.wire("counts", &beat & !&overlong);
     m.on(&end, &count, m.constant(0, count.word()));
-    m.on(&(&beat & !&overlong), &count, &counted);
+    m.on(&counts, &count, m.wrap(&count + 1, count.word()));
+    m.on(&end, &eleven, m.bit(false));
+    m.on(&counts, &eleven, m.is(&count, 10));
+    m.on(&end, &overlong, m.bit(false));
+    m.on(&counts, &overlong, &eleven);
     let levels: Vec<_> =
-        (parameters.min_level..=parameters.max_level).map(|level| m.is(&beat_level, level.into())).collect();
-    let known = m.any(&levels.iter().collect::<Vec<_>>());
-    let good = m.wire("good", m.is(&count, 11) & known);
+        (parameters.min_level..=parameters.max_level).map(|level| m.is(&user, level.into())).collect();
+    let known = m.restart(&m.pipe("known", m.any(&levels.iter().collect::<Vec<_>>())), 0);
+    let good = m.wire("good", &eleven & &known);
     m.on(&(&end & &good), &full, m.bit(true));
     m.on(&leaving, &full, m.bit(false));
     // The next patch may come while the last axis of this one leaves.

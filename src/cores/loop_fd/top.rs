@@ -173,7 +173,7 @@ pub(super) fn arrivals(m: &Builder, parameters: Parameters) -> Result<Arrivals> 
         kept
     };
     // Its last digit comes so much later.
-    let whole = following(m, &captures[2], if digit.is_some() { parameters.digits() } else { 1 });
+    let whole = following(m, &captures[2], if digit.is_some() { parameters.digits() } else { 1 }, Some(0));
     m.on(&whole[whole.len() - 1], &waiting, m.bit(true));
     m.on(&taken, &waiting, m.bit(false));
     m.on(&begins, &reserved, m.bit(true));

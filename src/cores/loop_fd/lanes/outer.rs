@@ -76,11 +76,11 @@ fn in_digits(m: &Builder, parameters: Parameters, size: u32) {
     // What says which digit it is belongs beside the digits of this coordinate.
     m.separate();
     let [capture, load, advance] = ["capture", "load", "advance"].map(|name| m.input(name, Word::bit()));
-    let digits = Digits::new(m, size, count, &advance);
+    let digits = Digits::new(m, size, count, &m.wire("turn", &load | &advance));
     // Each of the three goes on through all digits.
     let through = |name: &str, firsts: &[&Signal]| {
-        let all: Vec<Signal> = firsts.iter().flat_map(|first| following(m, first, count)).collect();
-        m.pipe_reset(name, m.any(&all.iter().collect::<Vec<_>>()), 0)
+        let all: Vec<Signal> = firsts.iter().flat_map(|first| following(m, first, count, None)).collect();
+        m.pipe(name, m.any(&all.iter().collect::<Vec<_>>()))
     };
     let loading = through("loading", &[&load]);
     let waiting_turns = through("waiting_turns", &[&capture, &load]);
@@ -110,9 +110,9 @@ fn in_digits(m: &Builder, parameters: Parameters, size: u32) {
         let start = m.select(&loading, &waiting[kl], lowest);
         let next = match higher(*kl) {
             Some((of, shift)) => {
-                let of = digits.shift_bits(&first[&of], shift, digits.more());
+                let of = digits.times(&first[&of], shift);
                 let of = m.select(&loading, m.constant(0, word), &of);
-                digits.add([(&start, false), (&of, false)], digits.more())
+                digits.sum(&start, &of)
             }
             None => start,
         };
