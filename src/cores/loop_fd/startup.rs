@@ -46,6 +46,9 @@ fn describe(m: &Builder, parameters: Parameters) {
     m.parameter("modulus", format!("2^{}", parameters.startup_modulus()));
 }
 
+/// Clocks in which what chooses the axis goes to all points.
+const HERE: u32 = 1;
+
 /// The same in digits: `first` comes with the axis, and digit 0 of the differences as many clocks later as they declare.
 fn in_digits(parameters: Parameters, size: u32) -> Result<Rc<Module>> {
     let inner = Builder::new("startup_matrix");
@@ -65,7 +68,8 @@ fn in_digits(parameters: Parameters, size: u32) -> Result<Rc<Module>> {
         "The control points of a patch, and of the chosen axis digit by digit; behind them the matrix.",
     );
     let banks = banks(&m, parameters);
-    let [axis_x, axis_y, first] = ["axis_x", "axis_y", "first"].map(|name| m.input(name, Word::bit()));
+    let [axis_x, axis_y, first] = ["axis_x", "axis_y", "first"]
+        .map(|name| m.restart(&m.pipe(format!("{name}_here"), m.input(name, Word::bit())), 0));
     let digits: Vec<Signal> = (0..12)
         .map(|place| {
             let [x, y, z] = [0, 1, 2].map(|axis| &banks[axis][place]);
@@ -85,18 +89,19 @@ fn in_digits(parameters: Parameters, size: u32) -> Result<Rc<Module>> {
             let low = m.slice(&point, 0, width.min(size));
             let mut parts = signs(size - low.width());
             parts.push(low);
-            m.restart(&m.concat(&parts.iter().collect::<Vec<_>>()), LEAD)
+            m.restart(&m.concat(&parts.iter().collect::<Vec<_>>()), HERE + LEAD)
         })
         .collect();
     let names: Vec<String> = (0..12).map(|place| format!("p{place}")).collect();
     let mut inputs: Vec<(&str, &Signal)> = names.iter().map(String::as_str).zip(&digits).collect();
-    inputs.push(("first", &first));
+    let first_here = m.restart(&first, HERE);
+    inputs.push(("first", &first_here));
     // The level of the patch, through all digits of an axis.
     let level = (!parameters.has_one_level()).then(|| {
         let (level, held) =
             (m.input("level", parameters.level()), m.register("level_held", parameters.level()));
         m.on(&first, &held, &level);
-        m.restart(&held, LEAD)
+        m.restart(&held, HERE + LEAD)
     });
     inputs.extend(level.iter().map(|level| ("level", level)));
     let matrix = m.instance("matrix", &inner, &inputs);

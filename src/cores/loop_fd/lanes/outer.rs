@@ -12,7 +12,7 @@ use std::rc::Rc;
 use super::super::engine::DIFFERENCES;
 use super::super::{Parameters, words};
 use crate::error::Result;
-use crate::hdl::serial::{Digits, following};
+use crate::hdl::serial::Digits;
 use crate::hdl::skew::LEAD;
 use crate::hdl::{Builder, Module, Signal, Word};
 
@@ -29,8 +29,11 @@ fn higher((k, l): (u32, u32)) -> Option<((u32, u32), u32)> {
 
 /// Inputs: `n..` are taken at `capture` and wait; `load` moves them into the outer differences; `advance` steps these
 /// to the next column. A clock later, `last_l` are the differences D0l of the column before, `next_l` those of the
-/// next one, and `fourth` is D13. In digits, each of the three goes on for as many clocks as there are digits, of which
-/// the first comes [`LEAD`] clocks later.
+/// next one, and `fourth` is D13.
+///
+/// In digits, `turn` comes a clock ([`LEAD`]) before the first one of a load or an advance, and these say what to do with
+/// each digit: `waiting_turns` when one is captured or loaded, `outer_turns` when one is loaded or advanced, `loading`
+/// which of the two.
 pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
     let m = Builder::new("outer_differences");
     m.purpose("Outer differences of one coordinate: the heads of the columns, one after the other.");
@@ -75,16 +78,10 @@ fn in_digits(m: &Builder, parameters: Parameters, size: u32) {
     m.parameter("digit", size);
     // What says which digit it is belongs beside the digits of this coordinate.
     m.separate();
-    let [capture, load, advance] = ["capture", "load", "advance"].map(|name| m.input(name, Word::bit()));
-    let digits = Digits::new(m, size, count, &m.wire("turn", &load | &advance));
-    // Each of the three goes on through all digits.
-    let through = |name: &str, firsts: &[&Signal]| {
-        let all: Vec<Signal> = firsts.iter().flat_map(|first| following(m, first, count, None)).collect();
-        m.pipe(name, m.any(&all.iter().collect::<Vec<_>>()))
-    };
-    let loading = through("loading", &[&load]);
-    let waiting_turns = through("waiting_turns", &[&capture, &load]);
-    let outer_turns = through("outer_turns", &[&load, &advance]);
+    let turn = m.input("turn", Word::bit());
+    let digits = Digits::new(m, size, count, &turn);
+    let [waiting_turns, outer_turns, loading] =
+        ["waiting_turns", "outer_turns", "loading"].map(|name| m.input_at(name, Word::bit(), LEAD));
 
     let word = Word::unsigned(size);
     let shifted = |name: &str, turns: &Signal| {

@@ -6,6 +6,7 @@ use super::super::top::{Arrivals, Flags, arrivals, stream_out};
 use super::super::{AXES, Parameters};
 use super::{columns, control, outer};
 use crate::error::Result;
+use crate::hdl::serial::following;
 use crate::hdl::skew::{LEAD, SkewedPorts, skew};
 use crate::hdl::{Builder, Module, Signal, Word};
 
@@ -55,8 +56,26 @@ pub fn build(parameters: Parameters, lanes: u32) -> Result<Rc<Module>> {
         let nearer = |signals: &mut dyn Iterator<Item = &(String, Signal)>| -> Vec<(String, Signal)> {
             signals.map(|(name, signal)| (name.clone(), nearer(&m, axis, name, signal))).collect()
         };
-        let capture = ("capture".to_string(), capture.clone());
-        let inputs = nearer(&mut [&capture].into_iter().chain(&steps).chain(&differences));
+        let mut says: Vec<(String, Signal)> = vec![];
+        if parameters.digit().is_some() {
+            // Each of the three goes on through all digits; where it does stands in a register, and from there goes near.
+            let through = |name: &str, pulses: &[&Signal]| {
+                let flags = pulses.iter().flat_map(|pulse| following(&m, pulse, parameters.digits(), None));
+                let flags: Vec<Signal> = flags.collect();
+                let through =
+                    m.pipe(format!("{axis}_{name}_ahead"), m.any(&flags.iter().collect::<Vec<_>>()));
+                (name.to_string(), m.restart(&through, LEAD))
+            };
+            let [load, advance] = [&steps[0].1, &steps[1].1];
+            says.push(("turn".into(), m.wire("turn", load | advance)));
+            says.push(through("waiting_turns", &[capture, load]));
+            says.push(through("outer_turns", &[load, advance]));
+            says.push(through("loading", &[load]));
+        } else {
+            says.push(("capture".into(), capture.clone()));
+            says.extend(steps.iter().cloned());
+        }
+        let inputs = nearer(&mut says.iter().chain(&differences));
         let inputs: Vec<(&str, &Signal)> =
             inputs.iter().map(|(name, signal)| (name.as_str(), signal)).collect();
         let placed = m.instance(&format!("outer_{axis}"), &outer, &inputs);
