@@ -10,6 +10,7 @@
 //! counts where it lies on the `PATH` under its own name.
 
 use std::path::PathBuf;
+use std::time::Duration;
 
 use super::device::{DEVICES, Device};
 use crate::cosim::{Settings, ToolStatus, Version, process, tools, user_cache};
@@ -17,6 +18,9 @@ use crate::error::{Error, Kind, Result};
 
 /// The line that mends whatever is missing.
 const MEND: &str = "make fpga-tools";
+
+/// How long a tool may take to tell its version: the first start of one from PyPI compiles its WebAssembly.
+const FIRST_START: Duration = Duration::from_secs(300);
 
 /// A program that can be started.
 #[derive(Clone, Debug)]
@@ -68,7 +72,7 @@ impl Tool {
     fn at(path: PathBuf, settings: &Settings) -> Result<Tool> {
         let program = path.display().to_string();
         let question = if program.ends_with("yosys") { "-V" } else { "--version" };
-        let answer = process::ask(&[program.clone(), question.into()], settings)?;
+        let answer = process::ask_within(FIRST_START, &[program.clone(), question.into()], settings)?;
         let telling = |line: &&str| line.contains("Version") || line.starts_with("Yosys ");
         let line = answer.lines().find(telling).unwrap_or("unknown version");
         let line = line.rsplit_once("(Version ").map_or(line, |(_, version)| version.trim_end_matches(')'));
