@@ -146,6 +146,15 @@ impl Family {
         }
     }
 
+    /// The option that leaves the pads of the pins away.
+    pub fn without_pads(self) -> &'static str {
+        match self {
+            Family::Ecp5 | Family::Ice40 => "",
+            Family::Gowin => " -noiopads",
+            Family::Nexus => " -noiopad",
+        }
+    }
+
     /// The program that places and routes, and the package of PyPI that brings it.
     pub fn program(self) -> (&'static str, &'static str) {
         match self {
