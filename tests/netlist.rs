@@ -117,12 +117,12 @@ fn bit(cell: &Value, port: &str) -> Value {
     cell["connections"][port][0].clone()
 }
 
-/// Cells of a type whose two lowest inputs come from nets, in the order of the netlist.
+/// Cells of a type that read two nets at least, in the order of the netlist.
 fn candidates(netlist: &Netlist, kind: &str, inputs: [&str; 4]) -> Vec<(String, String)> {
     let mut found = vec![];
     for (module, content) in netlist.0["modules"].as_object().unwrap() {
         for (name, cell) in content["cells"].as_object().into_iter().flatten() {
-            let nets = inputs[..2].iter().all(|port| bit(cell, port).is_u64());
+            let nets = inputs.iter().filter(|port| bit(cell, port).is_u64()).count() >= 2;
             // The engines: what they compute is put out.
             let engine = module.contains("engine") || name.contains("engine_x.");
             if cell["type"] == kind && nets && engine {
