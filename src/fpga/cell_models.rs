@@ -20,7 +20,7 @@ use crate::error::{Error, Kind, Result};
 /// # Errors
 /// `ToolMissing` where Yosys has no folder of models; `ToolFailed` for a type that it has no model of.
 pub fn models(family: Family, yosys: &Tool, types: &BTreeSet<String>) -> Result<String> {
-    let folder = share(Path::new(&yosys.program))?.join(folder(family));
+    let folder = share(Path::new(&yosys.program))?.join(family.name());
     let mut library = Library::default();
     library.read(&folder.join("cells_sim.v"))?;
     library.add(OURS, &|name| include(&folder, name))?;
@@ -33,15 +33,6 @@ pub fn models(family: Family, yosys: &Tool, types: &BTreeSet<String>) -> Result<
 
 /// For cells that Yosys has no model of.
 const OURS: &str = include_str!("../../testbenches/cells.v");
-
-fn folder(family: Family) -> &'static str {
-    match family {
-        Family::Ecp5 => "ecp5",
-        Family::Ice40 => "ice40",
-        Family::Gowin => "gowin",
-        Family::Nexus => "nexus",
-    }
-}
 
 /// The folder of what comes with Yosys, native or from PyPI.
 fn share(program: &Path) -> Result<PathBuf> {

@@ -16,6 +16,7 @@
 mod cache;
 mod cell_models;
 mod device;
+pub mod estimate;
 mod gate_level;
 mod harness;
 mod names;

@@ -36,7 +36,9 @@ pub fn place(
     let words = arguments(device, how);
     let netlist = design.netlist.text()?;
     let said = words.join(" ");
-    let parts = [("nextpnr", placer.version.as_str()), ("arguments", &said), ("netlist", &netlist)];
+    let pins = device.pins.map(constraints).unwrap_or_default();
+    let parts =
+        [("nextpnr", placer.version.as_str()), ("arguments", &said), ("pins", &pins), ("netlist", &netlist)];
     let hash = hash(parts);
     if let Some(text) = cache.find("placed", &hash) {
         return Timing::parse(&text);
@@ -45,6 +47,8 @@ pub fn place(
     let folder = tempfile::tempdir().map_err(|e| failed(format!("no temporary folder: {e}")))?;
     std::fs::write(folder.path().join("netlist.json"), netlist)
         .map_err(|e| failed(format!("cannot write the netlist: {e}")))?;
+    std::fs::write(folder.path().join(PINS), pins)
+        .map_err(|e| failed(format!("cannot write the pins: {e}")))?;
     let line: Vec<String> = [placer.program.clone()].into_iter().chain(words).collect();
     run(&line, folder.path(), Stage::Placement, settings, progress)?;
     let text = std::fs::read(folder.path().join("report.json"))
@@ -52,6 +56,15 @@ pub fn place(
     let timing = Timing::parse(&text)?;
     cache.keep("placed", &hash, &text)?;
     Ok(timing)
+}
+
+/// The file of the pins.
+const PINS: &str = "pins.cst";
+
+/// Where the ports of the harness are.
+fn constraints(pins: [&str; 4]) -> String {
+    let ports = ["clock", "reset_n", "shift_in", "data_out"];
+    ports.iter().zip(pins).map(|(port, pin)| format!("IO_LOC \"{port}\" {pin};\n")).collect()
 }
 
 /// All arguments of nextpnr.
@@ -63,7 +76,8 @@ fn arguments(device: &Device, Run { seed, target_mhz }: Run) -> Vec<String> {
     match device.family {
         Family::Ecp5 => words.push("--lpf-allow-unconstrained".into()),
         Family::Ice40 => words.push("--pcf-allow-unconstrained".into()),
-        Family::Gowin | Family::Nexus => {}
+        Family::Gowin => words.extend(["--vopt".into(), format!("cst={PINS}")]),
+        Family::Nexus => {}
     }
     words
 }

@@ -159,10 +159,14 @@ fn clock(target: f64, timings: &[(u32, Timing)]) -> Clock {
     Clock { target, min: sorted.first().copied().unwrap_or(0.0), median, seeds }
 }
 
-/// Where a LUT and its register share a cell, a cell of the harness is a register.
+/// Where a LUT and its register share a cell, a cell of the harness is a register; where a register is only reached
+/// through a LUT, it has one.
 fn harness_area(family: Family, census: &Census) -> Area {
     let (area, _) = area(family, census);
-    if family == Family::Ice40 { Area { luts: area.flip_flops, ..area } } else { area }
+    match family {
+        Family::Ice40 | Family::Gowin => Area { luts: area.flip_flops, ..area },
+        Family::Ecp5 | Family::Nexus => area,
+    }
 }
 
 /// What nextpnr placed; where it does not tell, what was synthesised.

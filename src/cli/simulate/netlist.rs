@@ -35,7 +35,7 @@ pub fn of(settings: &Settings, dut: &Dut) -> Result<Option<(Dut, Facts)>> {
         .collect();
     let netlist = GateLevel::of(&dut.top, &sources, device, &tools)?;
     let facts = Facts {
-        family: device.name.split('-').next().unwrap_or_default().into(),
+        family: device.family.name().into(),
         yosys: netlist.yosys(),
         cells: netlist.cells(),
         tidied: netlist.tidied,
