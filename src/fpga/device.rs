@@ -174,6 +174,16 @@ impl Family {
         }
     }
 
+    /// The command that puts them on the module on top alone. Left to itself, synthesis puts them on every module that
+    /// keeps its place.
+    pub fn pads(self) -> &'static str {
+        match self {
+            Family::Ecp5 | Family::Ice40 => "",
+            Family::Gowin => "; iopadmap -bits -inpad IBUF O:I -outpad OBUF I:O",
+            Family::Nexus => "; iopadmap -bits -inpad IB O:I -outpad OB I:O",
+        }
+    }
+
     /// The program that places and routes, and the package of PyPI that brings it.
     pub fn program(self) -> (&'static str, &'static str) {
         match self {

@@ -35,7 +35,7 @@ use std::rc::Rc;
 pub use device::{Area, DEVICES, Device, Family};
 pub use gate_level::GateLevel;
 pub use netlist::{Census, Netlist};
-pub use report::{Clock, Report, SeedClock, Throughput, Unit};
+pub use report::{Clock, Estimated, Report, SeedClock, Throughput, Unit};
 pub use run::{Progress, Stage};
 pub use tidy::Tidied;
 pub use timing::CriticalPath;

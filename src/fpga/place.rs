@@ -36,19 +36,22 @@ pub fn place(
     let words = arguments(device, how);
     let netlist = design.netlist.text()?;
     let said = words.join(" ");
-    let pins = device.pins.map(constraints).unwrap_or_default();
+    let pins = device.pins.map(constraints);
+    let parts = [("nextpnr", placer.version.as_str()), ("arguments", said.as_str())].into_iter();
     let parts =
-        [("nextpnr", placer.version.as_str()), ("arguments", &said), ("pins", &pins), ("netlist", &netlist)];
+        parts.chain(pins.iter().map(|pins| ("pins", pins.as_str()))).chain([("netlist", netlist.as_str())]);
     let hash = hash(parts);
     if let Some(text) = cache.find("placed", &hash) {
         return Timing::parse(&text);
     }
     let failed = |what: String| Error::new(Kind::ToolFailed, what);
     let folder = tempfile::tempdir().map_err(|e| failed(format!("no temporary folder: {e}")))?;
-    std::fs::write(folder.path().join("netlist.json"), netlist)
+    std::fs::write(folder.path().join("netlist.json"), &netlist)
         .map_err(|e| failed(format!("cannot write the netlist: {e}")))?;
-    std::fs::write(folder.path().join(PINS), pins)
-        .map_err(|e| failed(format!("cannot write the pins: {e}")))?;
+    if let Some(pins) = &pins {
+        std::fs::write(folder.path().join(PINS), pins)
+            .map_err(|e| failed(format!("cannot write the pins: {e}")))?;
+    }
     let line: Vec<String> = [placer.program.clone()].into_iter().chain(words).collect();
     run(&line, folder.path(), Stage::Placement, settings, progress)?;
     let text = std::fs::read(folder.path().join("report.json"))

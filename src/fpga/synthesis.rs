@@ -18,7 +18,7 @@ pub struct Design<'a> {
     pub sources: &'a [SourceFile],
     /// The module on top.
     pub top: &'a str,
-    /// Whether its ports are pins, with the pads that some families have a cell for.
+    /// Whether its ports are pins, with the cells that some families have for them.
     pub pads: bool,
 }
 
@@ -42,9 +42,17 @@ pub fn synthesise(
     progress: Progress,
 ) -> Result<Synthesised> {
     let names: Vec<&str> = sources.iter().map(|source| source.name.as_str()).collect();
-    let pads = if *pads { "" } else { device.family.without_pads() };
-    let command = format!("{}{pads}", device.synthesis());
-    let script = format!("read_verilog {}; {command} -top {top}; write_json netlist.json", names.join(" "));
+    let family = device.family;
+    let pads = match (*pads, family.pads()) {
+        (true, command) if !command.is_empty() => format!("{command} {top}"),
+        _ => String::new(),
+    };
+    let script = format!(
+        "read_verilog {}; {}{} -top {top}{pads}; write_json netlist.json",
+        names.join(" "),
+        device.synthesis(),
+        family.without_pads()
+    );
     let texts = sources.iter().map(|source| (source.name.as_str(), source.text.as_str()));
     let hash = hash([("yosys", yosys.version.as_str()), ("script", &script)].into_iter().chain(texts));
     let text = match cache.find("netlist", &hash) {

@@ -6,6 +6,7 @@ use std::rc::Rc;
 use serde::Serialize;
 use serde_json::Value;
 
+use crate::fpga::estimate::Estimate;
 use crate::hdl::{Cell, Counts, Direction, Module, Word};
 
 /// `manifest.json`, in the order in which it is written.
@@ -26,6 +27,8 @@ pub struct Manifest {
     pub latency: Value,
     pub initiation_interval: Value,
     pub counts: Counts,
+    /// On one device of every family that cores were measured on.
+    pub estimates: Vec<Estimate>,
     pub proofs: Value,
     /// Every register of every module: its format, its range, and the source line that describes it.
     pub names: BTreeMap<String, BTreeMap<String, Name>>,
