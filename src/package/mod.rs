@@ -25,9 +25,10 @@ use crate::error::{Error, Kind, Result};
 use crate::files::write_whole;
 use crate::fpga::Device;
 use crate::fpga::estimate::{Estimate, estimate};
+use crate::hdl::ports::ports;
 use crate::hdl::{Counts, Module};
 
-pub use manifest::{Manifest, Port, ports};
+pub use manifest::Manifest;
 
 /// Everything that is written, by path within the folder.
 #[derive(Clone, Debug)]
@@ -138,7 +139,7 @@ fn assemble(module: &Rc<Module>, dut: &Dut, draft: Draft) -> Result<Package> {
         generator: format!("subdiv-rtl {version}"),
         command: command.clone(),
         parameters: draft.parameters,
-        ports: manifest::ports(module),
+        ports: ports(module),
         streams: draft.streams,
         latency: draft.latency,
         initiation_interval: draft.initiation_interval,
