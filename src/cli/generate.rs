@@ -135,6 +135,10 @@ pub struct LoopFd {
     #[arg(long, value_name = "BITS", value_parser = clap::value_parser!(u32).range(4..=128))]
     pub chunk: Option<u32>,
 
+    /// Compute this many neighbouring strips at once, from columns that they share: 2 N triangles a clock
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=Parameters::MOST_LANES as i64))]
+    pub lanes: Option<u32>,
+
     #[command(flatten)]
     pub numbers: Numbers,
 
@@ -221,6 +225,7 @@ pub struct Settings {
     pub registers: Registers,
     pub precision: Precision,
     pub chunk: Option<u32>,
+    pub lanes: Option<u32>,
     /// Whether to prove the core before it is written.
     pub proof: bool,
     /// Whether to write into a folder that holds other files.
@@ -237,7 +242,8 @@ impl Settings {
         Parameters::new(self.coordinates, self.output_fraction, self.max_level, self.registers.form())?
             .with_min_level(self.min_level)?
             .with_precision(self.precision)?
-            .with_chunk(self.chunk)
+            .with_chunk(self.chunk)?
+            .with_lanes(self.lanes)
     }
 }
 
@@ -247,7 +253,7 @@ impl LoopFd {
     /// # Errors
     /// Those of the configuration file.
     pub fn settings(&self) -> Result<Settings> {
-        const KEYS: [&str; 12] = [
+        const KEYS: [&str; 13] = [
             "coordinates",
             "output-fraction",
             "max-level",
@@ -258,6 +264,7 @@ impl LoopFd {
             "rounding",
             "saturate",
             "chunk",
+            "lanes",
             "proof",
             "output",
         ];
@@ -296,6 +303,12 @@ impl LoopFd {
             chunk: or_file(self.chunk, file, |file| {
                 file.whole("chunk", "4 to 128", |bits| {
                     u32::try_from(bits).ok().filter(|b| (4..=128).contains(b))
+                })
+            })?,
+            lanes: or_file(self.lanes, file, |file| {
+                let most = Parameters::MOST_LANES;
+                file.whole("lanes", &format!("1 to {most}"), |lanes| {
+                    u32::try_from(lanes).ok().filter(|lanes| (1..=most).contains(lanes))
                 })
             })?,
             proof: or_file(proof, file, |file| file.truth("proof"))?.unwrap_or(true),
@@ -355,6 +368,7 @@ mod tests {
                 registers,
                 precision,
                 chunk: None,
+                lanes: None,
                 proof,
                 force,
                 folder

@@ -17,37 +17,53 @@ use crate::hdl::{Builder, Module, Relation, Signal, Word};
 
 /// A rounder of numerators known modulo 2^`modulus`, for results of this range with `fraction` bits behind
 /// the point.
-///
+pub struct Rounder {
+    pub modulus: u32,
+    pub shift: u32,
+    pub result: Range,
+    pub fraction: u32,
+    pub division: Division,
+    /// Whether the numerators have [`half`] a unit in them already.
+    pub halved: bool,
+}
+
+/// Half a unit of the result: 3 * 2^(shift - 1).
+pub fn half(shift: u32) -> i128 {
+    3i128 << shift >> 1
+}
+
 /// Inputs: `numerator`, and `valid`, which says when it means anything. Output: `rounded`.
 /// Whenever `valid` is 1 the numerator lies within 3 * 2^`shift` times the range of the result; that is
 /// the claim to be proved.
-pub fn build(
-    modulus: u32,
-    shift: u32,
-    result: Range,
-    fraction: u32,
-    division: Division,
-) -> Result<Rc<Module>> {
+pub fn build(rounder: Rounder) -> Result<Rc<Module>> {
+    let Rounder { modulus, shift, result, fraction, division, halved } = rounder;
     let m = Builder::new("rounder");
+    let rounding = if halved { "" } else { " + 1/2" };
     m.purpose(format!(
-        "rounded = floor(numerator / (3 * 2^{shift}) + 1/2), correctly rounded for every numerator"
+        "rounded = floor(numerator / (3 * 2^{shift}){rounding}), the nearest for every numerator"
     ));
     m.parameter("modulus", format!("2^{modulus}"));
     m.parameter("result", result);
     let numerator = m.input("numerator", Word::modular(modulus));
     let valid = m.input("valid", Word::bit());
 
-    let claimed = Word::from(result * (3i128 << shift));
+    let mut claimed = result * (3i128 << shift);
+    if halved {
+        claimed = claimed + Range::point(half(shift));
+    }
     // Read as a fixed-point number, it is three times the coordinate.
     let point = (shift + fraction) as i32;
-    let claimed = claimed.fraction(point);
+    let claimed = Word::from(claimed).fraction(point);
     let numerator = m.rescale(&numerator, point);
     let exact = m.claim("exact_numerator", &numerator, claimed, Some(&valid));
-
-    // Half a unit for the rounding, and a bias that makes the dividend non-negative.
+    // A bias makes the dividend non-negative; of a power of two it takes few bits.
     let bias = 3 * -result.min;
-    let biased = m.pipe("biased", &exact + ((3i128 << shift >> 1) + (bias << shift)));
-    let dividend = m.wire("dividend", m.round(&biased, shift, Rounding::Floor));
+    let dividend = if halved {
+        m.pipe("biased", &m.round(&exact, shift, Rounding::Floor) + bias)
+    } else {
+        let biased = m.pipe("biased", &exact + (half(shift) + (bias << shift)));
+        m.wire("dividend", m.round(&biased, shift, Rounding::Floor))
+    };
     let quotient = match division {
         Division::Reciprocal => third(&m, &dividend),
         Division::Digits => third_by_digits(&m, &dividend),

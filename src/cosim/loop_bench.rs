@@ -14,7 +14,9 @@ use super::loop_traffic::Traffic;
 pub use super::loop_traffic::extra_fraction;
 use crate::cores::loop_fd::{Parameters, startup_depth};
 use crate::error::{Error, Result};
+use crate::hdl::skew::LEAD;
 use crate::hdl::{Module, verilog};
+use crate::model::lane_clocks::Lanes;
 use crate::model::loop_fd_clocks;
 use crate::surface::assembly::Assembly;
 use crate::surface::control_mesh::ControlMesh;
@@ -37,6 +39,8 @@ pub struct LoopBench {
     /// The index of each patch's first output beat.
     starts: Vec<u64>,
     output: Port,
+    /// Strips at once.
+    lanes: u64,
 }
 
 impl LoopBench {
@@ -48,7 +52,7 @@ impl LoopBench {
         mesh: &ControlMesh,
         level: u32,
     ) -> Result<LoopBench> {
-        let beats = mesh.triangles().len() as u64 * loop_fd_clocks::beats(level);
+        let beats = mesh.triangles().len() as u64 * depths(core).beats(level);
         if beats > MOST_BEATS {
             return Err(Error::input(format!(
                 "{beats} pairs of vertices are more than can be kept and compared"
@@ -65,6 +69,7 @@ impl LoopBench {
             patches: vec![],
             starts: vec![],
             output: traffic.output.clone(),
+            lanes: parameters.lanes.unwrap_or(1).into(),
         };
         let (mut failure, mut coarse) = (None, None);
         bench.counts = packets::patches(mesh, level, parameters.max_level, &table, |patch| {
@@ -124,10 +129,10 @@ impl LoopBench {
         )
     }
 
-    /// Strip and row of a beat of a patch: strip i has 2^level - i + 1 beats.
+    /// The first strip and the row of a beat of a patch: strip i has 2^level - i + 1 rows.
     fn place(&self, patch: usize, beat: u64) -> (u64, u64) {
         let (steps, mut row) = (1u64 << self.patches[patch].level, beat - self.starts[patch]);
-        for strip in 0..steps {
+        for strip in (0..steps).step_by(self.lanes as usize) {
             let beats = steps - strip + 1;
             if row < beats {
                 return (strip, row);
@@ -170,14 +175,14 @@ impl LoopBench {
         let mut beats = received.iter().map(|(_, beat)| beat);
         for patch in &self.patches {
             let steps = patch.steps() as usize;
-            for (strip, row) in (0..steps).flat_map(|strip| (0..=steps - strip).map(move |row| (strip, row)))
-            {
+            let lanes = self.lanes as usize;
+            let rows = |strip: usize| (0..=steps - strip).map(move |row| (strip, row));
+            for (strip, row) in (0..steps).step_by(lanes).flat_map(rows) {
                 let Some(beat) = beats.next() else { return Ok(assembly) };
                 let vertex =
                     |first: usize| [0, 1, 2].map(|axis| self.output.number(beat, first + axis) as i64);
-                assembly.put(patch, strip, row, vertex(0));
-                if strip + row < steps {
-                    assembly.put(patch, strip + 1, row, vertex(3));
+                for k in (0..=lanes).take_while(|k| strip + k + row <= steps) {
+                    assembly.put(patch, strip + k, row, vertex(3 * k));
                 }
             }
         }
@@ -188,9 +193,19 @@ impl LoopBench {
 /// The depths that the core declares.
 pub fn depths(core: &Module) -> loop_fd_clocks::Depths {
     let instance = |name: &str| core.instances.iter().find(|i| i.name == name);
-    let engine = instance("engine_x").and_then(|i| Some(i.module.latency(i.module.outputs.first()?)));
+    let declared = |name: &str| -> Option<u32> {
+        core.parameters.iter().find(|(parameter, _)| parameter == name)?.1.parse().ok()
+    };
+    let lanes = declared("lanes").map(|count| Lanes { count, digits: declared("digits").unwrap_or(1) });
+    let engine = instance(if lanes.is_some() { "columns_x" } else { "engine_x" });
+    let engine = engine.and_then(|i| Some(i.module.latency(i.module.outputs.first()?)));
     let fifo = instance("output_fifo").and_then(|i| i.module.memories.first()).map_or(1, |m| m.depth);
-    loop_fd_clocks::Depths { startup: startup_depth(core), rounder: engine.unwrap_or(0), fifo }
+    // A patch is there with its last digit; the first one comes a clock behind the pulse that announces it.
+    let startup = match lanes.map_or(1, |lanes| lanes.digits) {
+        1 => startup_depth(core),
+        digits => startup_depth(core) + digits - 1 - LEAD,
+    };
+    loop_fd_clocks::Depths { startup, rounder: engine.unwrap_or(0), fifo, lanes }
 }
 
 /// The core as a device under test, with the latency that its testbench asserts.

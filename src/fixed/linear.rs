@@ -107,9 +107,12 @@ impl<const N: usize> Form<N> {
         let unit = 1i128 << amount;
         if self.multiplier != 1 {
             let factor = i128::from(self.multiplier);
-            let once = Form { multiplier: 1, addend: 0, ..self };
+            // m floor(x / d) + m a = m floor((x + a d) / d).
+            let absorbed = (self.addend / factor).checked_mul(self.divisor)?;
+            let constant = self.constant.checked_add(absorbed)?;
+            let once = Form { multiplier: 1, addend: 0, constant, ..self };
             let largest = once.range(variable);
-            if factor < 0 || self.addend != 0 || largest.min < 0 {
+            if factor < 0 || self.addend % factor != 0 || largest.min < 0 {
                 return None;
             }
             let quotient = (unit + factor - 1) / factor;

@@ -32,6 +32,7 @@ mod machine;
 mod module;
 mod names;
 pub mod ports;
+pub mod serial;
 pub mod simulate;
 pub mod skew;
 mod state;

@@ -8,6 +8,8 @@
 //! A core that computes the right values but needs other clocks than these is wrong. The depths of the
 //! pipelines are what the core declares; everything else is the protocol's.
 
+use super::lane_clocks::{Control, Lanes};
+
 /// The declared depths, in clocks or words.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Depths {
@@ -17,6 +19,15 @@ pub struct Depths {
     pub rounder: u32,
     /// Words of the output FIFO's memory; one of them always stays free.
     pub fifo: u32,
+    /// Neighbouring strips at once.
+    pub lanes: Option<Lanes>,
+}
+
+impl Depths {
+    /// Beats of a patch of this level.
+    pub fn beats(&self, level: u32) -> u64 {
+        self.lanes.map_or_else(|| beats(level), |lanes| lanes.beats(level))
+    }
 }
 
 /// One packet of the input stream.
@@ -60,8 +71,9 @@ pub fn run(levels: &[u32], depths: Depths, offer: &[bool], ready: &[bool]) -> Cl
 
 /// The same for packets of any kind. The clocks end with the last output beat.
 pub fn run_packets(packets: &[Packet], depths: Depths, offer: &[bool], ready: &[bool]) -> Clocks {
-    let mut machine = Machine { depths, credits: depths.fifo - 1, ..Machine::default() };
-    let wanted: u64 = packets.iter().filter_map(|packet| packet.level).map(beats).sum();
+    let lanes = depths.lanes.map(Control::new);
+    let mut machine = Machine { depths, lanes, credits: depths.fifo - 1, ..Machine::default() };
+    let wanted: u64 = packets.iter().filter_map(|packet| packet.level).map(|level| depths.beats(level)).sum();
     let mut points = packets.iter().flat_map(|packet| {
         (1..=packet.points).map(|point| Point { last: point == packet.points, level: packet.level })
     });
@@ -100,6 +112,8 @@ struct Machine {
     beat: Option<Option<u32>>,
     full: bool,
     axis: u32,
+    /// The clock from which on an axis may leave.
+    turned: u64,
     loading_level: u32,
     // Between loader and engines.
     reserved: bool,
@@ -111,6 +125,7 @@ struct Machine {
     running: bool,
     length: u64,
     pairs_left: u64,
+    lanes: Option<Control>,
     // Output.
     credits: u32,
     has_room: bool,
@@ -125,22 +140,32 @@ struct Machine {
 
 impl Default for Depths {
     fn default() -> Self {
-        Depths { startup: 0, rounder: 0, fifo: 1 }
+        Depths { startup: 0, rounder: 0, fifo: 1, lanes: None }
     }
 }
 
 impl Machine {
     /// One clock; returns whether the offered point was accepted, and whether the output was valid.
     fn clock(&mut self, offered: Option<Point>, ready: bool) -> (bool, bool) {
-        let strobe = self.full && (self.axis > 0 || !self.reserved);
+        let digits = self.depths.lanes.map_or(1, |lanes| lanes.digits);
+        let strobe = self.full && self.now >= self.turned && (self.axis > 0 || !self.reserved);
         let leaving = strobe && self.axis == 2;
         let accept = offered.filter(|_| !self.closed);
 
-        let issue = self.running && self.has_room;
+        let issue = match &self.lanes {
+            Some(lanes) => lanes.issues(self.has_room),
+            None => self.running && self.has_room,
+        };
         let strip_end = self.pairs_left == 0;
         let finishing = issue && strip_end && self.length <= 1;
-        let next_strip = issue && strip_end && self.length > 1;
-        let load = self.waiting.filter(|_| finishing || !(self.running || self.starting));
+        let has_room = self.has_room;
+        let load = match &mut self.lanes {
+            Some(lanes) => {
+                let taken = lanes.clock(self.now, has_room, self.waiting);
+                self.waiting.filter(|_| taken)
+            }
+            None => self.waiting.filter(|_| finishing || !(self.running || self.starting)),
+        };
 
         let take = self.filled && (!self.valid || ready);
         let valid = self.valid;
@@ -160,21 +185,10 @@ impl Machine {
         self.credits = self.credits + u32::from(take) - u32::from(self.issued);
         self.issued = issue;
 
-        // Strip control:
-        if issue && !strip_end {
-            self.pairs_left -= 1;
+        if self.lanes.is_none() {
+            self.strips(issue, load);
         }
-        if next_strip {
-            self.length -= 1;
-            self.pairs_left = self.length;
-        }
-        if self.starting {
-            self.pairs_left = self.length;
-        }
-        self.running = self.starting || (self.running && !finishing);
-        self.starting = load.is_some();
-        if let Some(level) = load {
-            self.length = 1 << level;
+        if load.is_some() {
             self.waiting = None;
         }
 
@@ -187,14 +201,15 @@ impl Machine {
             self.arriving = Some((self.now + 1 + u64::from(self.depths.startup), self.loading_level));
         }
         self.reserved = (strobe && self.axis == 0) || (self.reserved && load.is_none());
-        let second = self.full && self.axis == 1;
+        let opens = strobe && self.axis == if digits == 1 { 1 } else { 2 };
         if strobe {
             self.axis = (self.axis + 1) % 3;
+            self.turned = self.now + u64::from(digits);
         }
         self.full &= !leaving;
 
         // Loader:
-        self.closed &= !(second || self.beat == Some(None));
+        self.closed &= !(opens || self.beat == Some(None));
         if let Some(Some(level)) = self.beat {
             (self.full, self.loading_level) = (true, level);
         }
@@ -205,13 +220,34 @@ impl Machine {
         self.now += 1;
         (accept.is_some(), valid)
     }
+
+    /// The edge of the control of single strips.
+    fn strips(&mut self, issue: bool, load: Option<u32>) {
+        let strip_end = self.pairs_left == 0;
+        let finishing = issue && strip_end && self.length <= 1;
+        if issue && !strip_end {
+            self.pairs_left -= 1;
+        }
+        if issue && strip_end && !finishing {
+            self.length -= 1;
+            self.pairs_left = self.length;
+        }
+        if self.starting {
+            self.pairs_left = self.length;
+        }
+        self.running = self.starting || (self.running && !finishing);
+        self.starting = load.is_some();
+        if let Some(level) = load {
+            self.length = 1 << level;
+        }
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    const DEPTHS: Depths = Depths { startup: 9, rounder: 7, fifo: 32 };
+    const DEPTHS: Depths = Depths { startup: 9, rounder: 7, fifo: 32, lanes: None };
 
     #[test]
     fn back_to_back_patches_of_level_4_keep_the_output_busy() {

@@ -13,6 +13,7 @@
 pub mod cc_strip;
 pub mod cc_strip_clocks;
 pub mod float;
+pub mod lane_clocks;
 pub mod loop_fd;
 pub mod loop_fd_clocks;
 pub mod render;

@@ -19,7 +19,7 @@ use crate::surface::precision::{of_patch, total_lsb};
 
 /// The command that generates the core with these parameters.
 pub fn command(parameters: Parameters) -> String {
-    let Parameters { coordinates, output_fraction, max_level, min_level, registers, precision, chunk } =
+    let Parameters { coordinates, output_fraction, max_level, min_level, registers, precision, chunk, lanes } =
         parameters;
     let mut command = format!(
         "subdiv-rtl generate loop-fd --coordinates {coordinates} --output-fraction {output_fraction} --max-level {max_level} --registers {registers}"
@@ -29,6 +29,9 @@ pub fn command(parameters: Parameters) -> String {
     }
     if let Some(chunk) = chunk {
         command += &format!(" --chunk {chunk}");
+    }
+    if let Some(lanes) = lanes {
+        command += &format!(" --lanes {lanes}");
     }
     if let Some(Reduced { fractions, rounding, saturate }) = precision.reduced() {
         let option = if fractions.is_uniform() { "fraction" } else { "fractions" };
@@ -99,6 +102,9 @@ fn parameters_json(parameters: Parameters) -> Value {
     if let Some(chunk) = parameters.chunk {
         object["chunk"] = json!(chunk);
     }
+    if let Some(lanes) = parameters.lanes {
+        object["lanes"] = json!(lanes);
+    }
     if let Some(reduced) = parameters.precision.reduced() {
         let width = |m: u32| words::difference(parameters, reduced, (m - m / 4, m / 4)).width();
         let widths = [0, 1, 2, 3, 4].map(width);
@@ -123,6 +129,21 @@ fn parameters_json(parameters: Parameters) -> Value {
 
 fn streams(parameters: Parameters) -> Value {
     let (max, f) = (parameters.max_level, parameters.coordinates.fraction);
+    let (beats, kept, last) = match parameters.lanes {
+        None => (
+            "for strip i the vertices p(i,j) and p(i+1,j), j = 0 .. 2^rho-i-1, then p(i,2^rho-i) alone"
+                .into(),
+            "low for the right vertex of the last beat of a strip",
+            "last beat of a strip",
+        ),
+        Some(lanes) => (
+            format!(
+                "for every {lanes}th strip i, j = 0 .. 2^rho-i: the vertices p(i,j) ... p(i+{lanes},j) that exist"
+            ),
+            "low for vertices beyond the edge of the patch",
+            "last beat of the strips that are sent together",
+        ),
+    };
     json!({
         "protocol": "AXI4-Stream",
         "s_axis": {
@@ -132,10 +153,10 @@ fn streams(parameters: Parameters) -> Value {
             "fraction_bits": format!("{f} + 4 * ({max} - rho)"),
         },
         "m_axis": {
-            "beats": "for strip i the vertices p(i,j) and p(i+1,j), j = 0 .. 2^rho-i-1, then p(i,2^rho-i) alone",
-            "tkeep": "low for the right vertex of the last beat of a strip",
+            "beats": beats,
+            "tkeep": kept,
             "tuser": "bit 0: first beat of a patch; bit 1: last beat of a patch",
-            "tlast": "last beat of a strip",
+            "tlast": last,
             "fraction_bits": parameters.output_fraction,
         },
     })
@@ -161,7 +182,7 @@ fn initiation_interval(core: &Rc<Module>, parameters: Parameters) -> Value {
             json!({
                 "level": level,
                 "clocks": (clocks(level, 6) - clocks(level, 4)) / 2,
-                "beats": loop_fd_clocks::beats(level),
+                "beats": depths.beats(level),
             })
         })
         .collect();

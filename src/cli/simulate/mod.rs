@@ -17,6 +17,7 @@ use super::{
     strip_options::{StripOutput, StripUnits},
     values::{FINEST_LEVEL, Numbers, Registers, USUAL_MAX_LEVEL},
 };
+use crate::cores::loop_fd::Parameters;
 use crate::{
     cosim::Stall,
     error::{Error, Result},
@@ -111,6 +112,10 @@ pub struct Core {
     /// Emit wide adders in chunks of this many bits, each a clock behind the one below (Loop)
     #[arg(long, value_name = "BITS", value_parser = clap::value_parser!(u32).range(4..=128))]
     pub chunk: Option<u32>,
+
+    /// Compute this many neighbouring strips at once, from columns that they share (Loop)
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=Parameters::MOST_LANES as i64))]
+    pub lanes: Option<u32>,
 
     #[command(flatten)]
     pub numbers: Numbers,
@@ -208,6 +213,8 @@ pub struct Settings {
     pub registers: Registers,
     /// Bits of a chunk with skewed carry; nothing: whole words.
     pub chunk: Option<u32>,
+    /// Strips at once.
+    pub lanes: Option<u32>,
     pub precision: Precision,
     /// Guard bits of the strip core; nothing: exact.
     pub guard: Option<u32>,
@@ -323,6 +330,7 @@ impl Args {
             min_level: self.core.min_level,
             registers: self.core.registers,
             chunk: self.core.chunk,
+            lanes: self.core.lanes,
             precision,
             guard: self.core.guard,
             strip_levels: self.core.max_level,

@@ -93,6 +93,7 @@ fn object(found: &Found) -> Value {
         "max_level": found.parameters.max_level,
         "registers": found.parameters.registers.count(),
         "chunk": found.parameters.chunk,
+        "lanes": found.parameters.lanes,
         "differences": found.parameters.precision.to_string(),
         "patches": {
             "regular": counts.regular,
@@ -164,9 +165,12 @@ fn text(found: &Found, verdict: &Verdict) -> String {
         Precision::Exact => format!("{}-bit differences", p.modulus()),
         reduced => format!("differences of {reduced} fraction bits"),
     };
+    let lanes = p.lanes.map_or(String::new(), |count| format!(", lanes: {count}"));
     let chunks = p.chunk.map_or(String::new(), |bits| format!(" in chunks of {bits} bits"));
-    let core =
-        format!("loop-fd up to level {}, {} registers, {differences}{chunks}", p.max_level, p.registers);
+    let core = format!(
+        "loop-fd up to level {}, {} registers, {differences}{chunks}{lanes}",
+        p.max_level, p.registers
+    );
     facts.row(["core", &core]);
     if let Some(netlist) = found.netlist {
         facts.row(["netlist", &netlist.text()]);

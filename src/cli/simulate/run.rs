@@ -44,7 +44,8 @@ pub fn run(settings: &Settings) -> Result<()> {
         Parameters::new(coordinates, output_fraction, settings.max_level, settings.registers.form())?
             .with_min_level(settings.min_level)?
             .with_precision(settings.precision)?
-            .with_chunk(settings.chunk)?;
+            .with_chunk(settings.chunk)?
+            .with_lanes(settings.lanes)?;
     let core = build(parameters)?;
     let mut bench = LoopBench::new(&core, parameters, &control, settings.level)?;
     let Runs { outcomes, netlist } = simulate(settings, &core, parameters, &mut bench)?;

@@ -18,7 +18,7 @@ use std::collections::BTreeMap;
 use std::rc::Rc;
 
 use super::{Parameters, RegisterForm, vertex, words};
-use crate::cores::rounder::{self, Division};
+use crate::cores::rounder::{self, Division, Rounder};
 use crate::error::Result;
 use crate::fixed::{Precision, Rounding};
 use crate::hdl::{Builder, Expr, Module, Signal, Sum, Word};
@@ -31,7 +31,7 @@ type Table = BTreeMap<(u32, u32), Signal>;
 
 /// What a difference of order m gains: one of order m + 1, or twice that.
 #[derive(Clone)]
-struct Higher {
+pub(super) struct Higher {
     of: Signal,
     doubled: bool,
 }
@@ -41,7 +41,7 @@ impl Higher {
         Higher { of: of.clone(), doubled: false }
     }
 
-    fn twice(of: &Signal) -> Self {
+    pub(super) fn twice(of: &Signal) -> Self {
         Higher { of: of.clone(), doubled: true }
     }
 
@@ -119,13 +119,14 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
     };
 
     let rounder = match parameters.precision {
-        Precision::Exact => rounder::build(
-            parameters.modulus(),
-            parameters.shift(),
-            parameters.output_range(),
-            parameters.output_fraction,
-            if parameters.chunk.is_some() { Division::Digits } else { Division::Reciprocal },
-        )?,
+        Precision::Exact => rounder::build(Rounder {
+            modulus: parameters.modulus(),
+            shift: parameters.shift(),
+            result: parameters.output_range(),
+            fraction: parameters.output_fraction,
+            division: if parameters.chunk.is_some() { Division::Digits } else { Division::Reciprocal },
+            halved: false,
+        })?,
         Precision::Reduced(reduced) => vertex::build(parameters, reduced)?,
     };
     let both = m.wire("valid_pair", &valid & &pair);
@@ -190,17 +191,17 @@ fn number(m: &Builder, parameters: Parameters, of: &Signal, order: u32) -> Signa
 }
 
 /// Makes the running columns.
-struct Columns<'a> {
-    m: &'a Builder,
-    parameters: Parameters,
-    strip: &'a Signal,
-    step: &'a Signal,
+pub(super) struct Columns<'a> {
+    pub(super) m: &'a Builder,
+    pub(super) parameters: Parameters,
+    pub(super) strip: &'a Signal,
+    pub(super) step: &'a Signal,
 }
 
 impl Columns<'_> {
     /// One column of the scheme: on `strip` it starts, on `step` each difference gains the next higher one
     /// along v, the highest a constant. Returns the lowest, of order `lowest`: the samples.
-    fn column<const N: usize>(
+    pub(super) fn column<const N: usize>(
         &self,
         name: &str,
         start: [Signal; N],

@@ -5,12 +5,15 @@
 //!           points 0..11          x      y      z         tready is low in 12 and 13
 //! ```
 //!
+//! Where numbers come in digits, each axis takes as many clocks as there are digits.
+//!
 //! The points themselves are kept in the start-up, which shifts them in and chooses the axis as told here.
 
 use std::rc::Rc;
 
 use super::{LEVEL_BITS, Parameters};
 use crate::error::Result;
+use crate::hdl::serial::Turn;
 use crate::hdl::{Builder, Module, Word};
 
 /// Inputs: the stream without its points, and `slot_free`: the engines can keep another patch. Outputs: `ready`; a
@@ -35,8 +38,12 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
     let full = m.register_reset("full", Word::bit(), 0);
     let axis = m.register_reset("axis", Word::range(0, 2), 0);
     let [first, second, third] = [0, 1, 2].map(|nth| m.is(&axis, nth));
-    let strobe = m.wire("strobe_now", &full & &(!&first | &slot_free));
-    let leaving = m.wire("leaving", &full & &third);
+    // Numbers in digits take as many clocks for each axis.
+    let clocks = if parameters.lanes.is_some() { parameters.digits() } else { 1 };
+    let turn = Turn::new(&m, clocks);
+    let strobe = m.wire("strobe_now", m.all(&[&full, &!&turn.busy, &(!&first | &slot_free)]));
+    turn.begins(&m, &strobe);
+    let leaving = m.wire("leaving", &strobe & &third);
     let next_axis = m.wrap(&axis + 1, Word::unsigned(2));
     m.on(&leaving, &axis, m.constant(0, axis.word()));
     m.on(&strobe, &axis, m.wrap(&next_axis, axis.word()));
@@ -55,8 +62,9 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
     m.on(&(&end & &good), &full, m.bit(true));
     m.on(&leaving, &full, m.bit(false));
     // The next patch may come while the last axis of this one leaves.
+    let opens = if clocks == 1 { &strobe & &second } else { &strobe & &third };
     m.on(&(&accept & &last), &ready, m.bit(false));
-    m.on(&((&end & !&good) | (&full & &second)), &ready, m.bit(true));
+    m.on(&((&end & !&good) | opens), &ready, m.bit(true));
 
     if !parameters.has_one_level() {
         let level = m.register("level_kept", parameters.level());

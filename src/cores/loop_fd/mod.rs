@@ -32,6 +32,7 @@
 
 mod control;
 mod engine;
+mod lanes;
 mod loader;
 pub mod proof;
 mod startup;
@@ -42,6 +43,7 @@ pub mod words;
 use std::fmt;
 use std::rc::Rc;
 
+use crate::cores::rounder;
 use crate::error::{Error, Result};
 use crate::fixed::{Format, Precision, Range, Rounding};
 use crate::hdl::{Module, Word};
@@ -105,10 +107,15 @@ pub struct Parameters {
     pub precision: Precision,
     /// Bits of a chunk, where wide numbers are emitted in chunks with skewed carry.
     pub chunk: Option<u32>,
+    /// Neighbouring strips that are computed at once, from columns that they share, and outer differences that are kept
+    /// as digits where there are chunks; without, each strip has two columns of its own, and the outer differences step
+    /// in a clock.
+    pub lanes: Option<u32>,
 }
 
 impl Parameters {
     pub const HIGHEST_LEVEL: u32 = 10;
+    pub const MOST_LANES: u32 = 32;
 
     /// A core of exact numbers, for all levels up to the highest.
     ///
@@ -129,6 +136,7 @@ impl Parameters {
             registers,
             precision,
             chunk: None,
+            lanes: None,
         };
         if max_level > Self::HIGHEST_LEVEL {
             return Err(Error::usage(format!("maximum level {max_level} is above {}", Self::HIGHEST_LEVEL))
@@ -204,6 +212,47 @@ impl Parameters {
                 .help("choose 4 bits or more; with 14 to 16 the carry does not limit the clock of an ECP5"));
         }
         Ok(Parameters { chunk, ..self })
+    }
+
+    /// The same core with so many neighbouring strips at once.
+    ///
+    /// # Errors
+    /// No lane, or too many; reduced numbers, and register forms of which lanes have none.
+    pub fn with_lanes(self, lanes: impl Into<Option<u32>>) -> Result<Self> {
+        let lanes = lanes.into();
+        let Some(count) = lanes else { return Ok(Parameters { lanes, ..self }) };
+        if !(1..=Self::MOST_LANES).contains(&count) {
+            return Err(Error::usage(format!("{count} lanes"))
+                .help(format!("choose 1 to {} lanes", Self::MOST_LANES)));
+        }
+        if self.precision != Precision::Exact {
+            return Err(Error::usage("lanes of reduced numbers").help("leave out --lanes, or the fractions"));
+        }
+        if self.registers != RegisterForm::Minimal20 {
+            return Err(Error::usage(format!("lanes with {} registers", self.registers))
+                .help("use --registers 20: neighbouring lanes share their columns"));
+        }
+        Ok(Parameters { lanes, ..self })
+    }
+
+    /// Bits of a digit of the outer differences of lanes, where they have several.
+    fn digit(self) -> Option<u32> {
+        self.chunk.filter(|&bits| bits < self.modulus())
+    }
+
+    /// Digits of a number: the clocks of a step of the outer differences of lanes.
+    pub fn digits(self) -> u32 {
+        self.digit().map_or(1, |bits| self.modulus().div_ceil(bits))
+    }
+
+    /// What the numerators of all vertices have in them where there are lanes.
+    fn half(self) -> i128 {
+        if self.lanes.is_some() { rounder::half(self.shift()) } else { 0 }
+    }
+
+    /// Vertices in a beat.
+    pub fn vertices(self) -> u32 {
+        self.lanes.unwrap_or(1) + 1
     }
 
     /// Whether all patches are of one level.
@@ -294,7 +343,10 @@ pub const LEVEL_BITS: u32 = 4;
 
 /// The complete core.
 pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
-    top::build(parameters)
+    match parameters.lanes {
+        Some(lanes) => lanes::build(parameters, lanes),
+        None => top::build(parameters),
+    }
 }
 
 /// Clocks from the points at the start-up's input to the differences at its output.

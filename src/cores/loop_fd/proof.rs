@@ -177,7 +177,7 @@ pub fn prove_fault(flat: &Flat, fault: &Fault, parameters: Parameters) -> Result
 fn run(flat: Flat, parameters: Parameters, dropped_carry: Option<(NodeId, u32)>) -> Result<Proof> {
     let patches = patches(parameters);
     let groups = patches.iter().flat_map(|patch| [patch.range; 3]).collect();
-    let mut run = Run::new(flat, groups)?;
+    let mut run = Run::new(flat, groups, parameters)?;
     run.simulator.domain.dropped_carry = dropped_carry;
     let mut sent =
         patches.iter().enumerate().flat_map(|(index, patch)| (0..12).map(move |point| (index, patch, point)));
@@ -226,11 +226,11 @@ fn refuted(why: String) -> Error {
         .help("the core is wrong for some input; nothing was written")
 }
 
-/// A beat that must come out: where it lies, and the forms of its vertices.
+/// A beat that must come out: where it lies, and the forms of its vertices, where there is one.
 struct Beat {
     what: String,
-    left: [Form<12>; 3],
-    right: Option<[Form<12>; 3]>,
+    vertices: Vec<Option<[Form<12>; 3]>>,
+    last: bool,
     user: i128,
 }
 
@@ -257,15 +257,16 @@ fn beats(index: usize, patch: &Patch, parameters: Parameters) -> impl Iterator<I
             .canonical()
         })
     };
-    (0..steps).flat_map(move |i| {
+    let lanes = parameters.lanes.unwrap_or(1);
+    (0..steps).step_by(lanes as usize).flat_map(move |i| {
         (0..=steps - i).map(move |j| {
-            let single = j == steps - i;
-            let (first, last) = (i == 0 && j == 0, i + 1 == steps && single);
+            let (first, last) = (i == 0 && j == 0, j == steps - i);
+            let end = last && i + lanes >= steps;
             Beat {
                 what: format!("patch {index} (level {}), strip {i}, row {j}", patch.level),
-                left: vertex(i, j),
-                right: (!single).then(|| vertex(i + 1, j)),
-                user: i128::from(first) + 2 * i128::from(last),
+                vertices: (0..=lanes).map(|k| (i + k + j <= steps).then(|| vertex(i + k, j))).collect(),
+                last,
+                user: i128::from(first) + 2 * i128::from(end),
             }
         })
     })
@@ -276,11 +277,12 @@ struct Run {
     simulator: Simulator<LinearForms<12>>,
     inputs: [NodeId; 3],
     controls: [NodeId; 4],
-    sides: [[NodeId; 3]; 2],
+    /// The coordinates of each vertex of a beat.
+    vertices: Vec<[NodeId; 3]>,
 }
 
 impl Run {
-    fn new(flat: Flat, groups: Vec<Range>) -> Result<Run> {
+    fn new(flat: Flat, groups: Vec<Range>, parameters: Parameters) -> Result<Run> {
         let port = |found: Option<NodeId>, name: &str| {
             found.ok_or_else(|| Error::usage(format!("the core has no port {name}")))
         };
@@ -293,10 +295,13 @@ impl Run {
             let [x, y, z] = AXES.map(|axis| output(format!("m_axis_tdata_{side}_{axis}")));
             Ok([x?, y?, z?])
         };
-        let sides = [side("left")?, side("right")?];
+        let vertices = match parameters.lanes {
+            None => vec![side("left")?, side("right")?],
+            Some(lanes) => (0..=lanes).map(|k| side(&format!("v{k}"))).collect::<Result<_>>()?,
+        };
         let (inputs, controls) = ([x?, y?, z?], [user?, last?, valid?, ready?]);
         let mut run =
-            Run { simulator: Simulator::new(flat, LinearForms::new(groups)), inputs, controls, sides };
+            Run { simulator: Simulator::new(flat, LinearForms::new(groups)), inputs, controls, vertices };
         run.offer(None);
         Ok(run)
     }
@@ -341,23 +346,20 @@ impl Run {
     fn compare(&self, beat: &Beat, parameters: Parameters, error: &mut Option<ErrorBounds>) -> Result<u64> {
         let reduced = parameters.precision != Precision::Exact;
         let wrong = |what: &str| Err(refuted(format!("{}: {what}", beat.what)));
-        if self.flag("m_axis_tlast")? == beat.right.is_some() {
+        if self.flag("m_axis_tlast")? != beat.last {
             return wrong("m_axis_tlast does not mark the end of the strip");
         }
         if self.output("m_axis_tuser")? != beat.user {
             return wrong("m_axis_tuser does not mark the ends of the patch");
         }
-        let kept = self.output("m_axis_tkeep")?.count_ones();
-        let all = self
-            .simulator
-            .flat
-            .output("m_axis_tkeep")
-            .map_or(0, |id| self.simulator.flat.node(id).word.width());
-        if kept != if beat.right.is_some() { all } else { all / 2 } {
-            return wrong("m_axis_tkeep does not tell whether there is a right vertex");
+        let kept = self.kept()?;
+        if kept.len() != beat.vertices.len()
+            || kept.iter().zip(&beat.vertices).any(|(k, v)| *k != v.is_some())
+        {
+            return wrong("m_axis_tkeep does not tell which vertices there are");
         }
         let mut compared = 0;
-        for (ids, expected) in self.sides.iter().zip([Some(&beat.left), beat.right.as_ref()]) {
+        for (ids, expected) in self.vertices.iter().zip(&beat.vertices) {
             for ((&id, expected), axis) in ids.iter().zip(expected.into_iter().flatten()).zip(AXES) {
                 let value = self.simulator.get(id);
                 if let (true, Some(bounds)) = (reduced, within(value, expected)) {
@@ -379,6 +381,29 @@ impl Run {
             }
         }
         Ok(compared)
+    }
+
+    /// Which vertices are kept, each with all of its bytes.
+    fn kept(&self) -> Result<Vec<bool>> {
+        let flat = &self.simulator.flat;
+        let width = |name: &str| flat.output(name).map_or(0, |id| flat.node(id).word.width());
+        // One port for all of them, or one for each.
+        let words = match width("m_axis_tkeep") {
+            0 => (0..self.vertices.len())
+                .map(|k| format!("m_axis_tkeep_v{k}"))
+                .map(|name| Ok((self.output(&name)?, width(&name))))
+                .collect::<Result<Vec<_>>>()?,
+            all => {
+                let (both, half) = (self.output("m_axis_tkeep")?, all / 2);
+                vec![(both & ((1 << half) - 1), half), (both >> half, half)]
+            }
+        };
+        let whole = |(bits, width): (i128, u32)| match bits.count_ones() {
+            0 => Ok(false),
+            count if count == width => Ok(true),
+            _ => Err(refuted("m_axis_tkeep keeps part of a vertex".into())),
+        };
+        words.into_iter().map(whole).collect()
     }
 
     /// An unknown value mostly has a cause that was noted when it arose.

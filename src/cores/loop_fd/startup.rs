@@ -20,20 +20,95 @@ use super::{AXES, Parameters};
 use crate::cores::rounder;
 use crate::error::{Error, Result};
 use crate::fixed::{Precision, Reduced};
+use crate::hdl::serial::serial;
+use crate::hdl::skew::LEAD;
 use crate::hdl::{Builder, Module, Relation, Signal, Word};
 
 pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
+    if let (Some(_), Some(size)) = (parameters.lanes, parameters.digit()) {
+        return in_digits(parameters, size);
+    }
     let m = Builder::new("startup");
-    m.purpose("The differences of a patch, step 2^-level, from its 12 control points: matrix Q_r");
-    m.purpose("(Bischoff, Kobbelt, Seidel 2000, appendix A.4, with the matrix corrected).");
-    m.parameter("modulus", format!("2^{}", parameters.startup_modulus()));
+    describe(&m, parameters);
     let p = control_points(&m, parameters);
     let level = if parameters.has_one_level() {
         m.constant(parameters.max_level.into(), parameters.level())
     } else {
         m.at_time(&m.input("level", parameters.level()), 1)
     };
+    differences(&m, parameters, &p, &level)?;
+    m.finish()
+}
 
+fn describe(m: &Builder, parameters: Parameters) {
+    m.purpose("The differences of a patch, step 2^-level, from its 12 control points: matrix Q_r");
+    m.purpose("(Bischoff, Kobbelt, Seidel 2000, appendix A.4, with the matrix corrected).");
+    m.parameter("modulus", format!("2^{}", parameters.startup_modulus()));
+}
+
+/// The same in digits: `first` comes with the axis, and digit 0 of the differences as many clocks later as they declare.
+fn in_digits(parameters: Parameters, size: u32) -> Result<Rc<Module>> {
+    let inner = Builder::new("startup_matrix");
+    describe(&inner, parameters);
+    let word = Word::modular(parameters.startup_modulus());
+    let p: Vec<Signal> = (0..12).map(|place| inner.input(format!("p{place}"), word)).collect();
+    let level = if parameters.has_one_level() {
+        inner.constant(parameters.max_level.into(), parameters.level())
+    } else {
+        inner.input("level", parameters.level())
+    };
+    differences(&inner, parameters, &p, &level)?;
+    let inner = serial(&inner.finish()?, size, parameters.digits(), &["level"])?;
+
+    let m = Builder::new("startup");
+    m.purpose(
+        "The control points of a patch, and of the chosen axis digit by digit; behind them the matrix.",
+    );
+    let banks = banks(&m, parameters);
+    let [axis_x, axis_y, first] = ["axis_x", "axis_y", "first"].map(|name| m.input(name, Word::bit()));
+    let digits: Vec<Signal> = (0..12)
+        .map(|place| {
+            let [x, y, z] = [0, 1, 2].map(|axis| &banks[axis][place]);
+            let width = x.width();
+            let chosen = m.select(&axis_x, x, m.select(&axis_y, y, z));
+            let point = m.register(format!("p{place}"), Word::unsigned(width));
+            let sign = m.slice(&point, width - 1, 1);
+            // What is above, and then the sign for ever.
+            let signs = |count: u32| vec![sign.clone(); count as usize];
+            let above = width.saturating_sub(size);
+            let mut parts = signs(width - above);
+            if above > 0 {
+                parts.push(m.slice(&point, size, above));
+            }
+            let shifted = m.concat(&parts.iter().collect::<Vec<_>>());
+            m.always(&point, m.select(&first, m.slice(&chosen, 0, width), &shifted));
+            let low = m.slice(&point, 0, width.min(size));
+            let mut parts = signs(size - low.width());
+            parts.push(low);
+            m.restart(&m.concat(&parts.iter().collect::<Vec<_>>()), LEAD)
+        })
+        .collect();
+    let names: Vec<String> = (0..12).map(|place| format!("p{place}")).collect();
+    let mut inputs: Vec<(&str, &Signal)> = names.iter().map(String::as_str).zip(&digits).collect();
+    inputs.push(("first", &first));
+    // The level of the patch, through all digits of an axis.
+    let level = (!parameters.has_one_level()).then(|| {
+        let (level, held) =
+            (m.input("level", parameters.level()), m.register("level_held", parameters.level()));
+        m.on(&first, &held, &level);
+        m.restart(&held, LEAD)
+    });
+    inputs.extend(level.iter().map(|level| ("level", level)));
+    let matrix = m.instance("matrix", &inner, &inputs);
+    for (k, l) in DIFFERENCES {
+        let name = format!("n{k}{l}");
+        m.output(&name, matrix.out(&name));
+    }
+    m.finish()
+}
+
+/// The outputs n00, n10 ... from the control points.
+fn differences(m: &Builder, parameters: Parameters, p: &[Signal], level: &Signal) -> Result<()> {
     let second = |name: &str, [a, b, c]: [usize; 3]| m.pipelined(name, &p[a] - 2 * &p[b] + &p[c]);
     let [rm, r0, r0_next, r1] =
         [("rm", [0, 1, 2]), ("r0", [3, 4, 5]), ("r0_next", [4, 5, 6]), ("r1", [7, 8, 9])]
@@ -62,10 +137,10 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
 
     // a = 2^r, b = 4^r, c = 8^r, d = 16^r.
     let bits: Vec<Signal> =
-        (0..level.width()).map(|bit| m.wire(format!("level_{bit}"), m.slice(&level, bit, 1))).collect();
+        (0..level.width()).map(|bit| m.wire(format!("level_{bit}"), m.slice(level, bit, 1))).collect();
     let times = |name: &str, value: &Signal, power: u32| match parameters.has_one_level() {
         true => m.wire(name, value << (power * parameters.max_level)),
-        false => times_power(&m, name, value, &bits, power),
+        false => times_power(m, name, value, &bits, power),
     };
     let d_c00 = times("d_c00", &c00, 4);
     let [c_c10, c_c01] = [("c_c10", &c10), ("c_c01", &c01)].map(|(n, v)| times(n, v, 3));
@@ -85,7 +160,10 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
     let thrice = |name: &str, x: &Signal| if exact { m.pipelined(name, 3 * x) } else { x.clone() };
     // Rows of the table, in the order of DIFFERENCES.
     let rows = [
-        d_c00.clone(),
+        match parameters.half() {
+            0 => d_c00.clone(),
+            half => m.pipelined("n00_sum", &d_c00 + half),
+        },
         m.pipelined("n10_sum", 2 * &c_c10 + 6 * &b_c20 + 2 * &a_c30 + &g),
         m.pipelined("n20_sum", 6 * twice * &m.pipelined("bc20_ac30", &b_c20 + &a_c30) + 7 * twice * &g),
         thrice("n30_sum", &m.pipelined("ac30_g3", &a_c30 + &g3)),
@@ -100,7 +178,7 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
     ];
     let rows = match parameters.precision {
         Precision::Exact => rows,
-        Precision::Reduced(reduced) => rounded(&m, parameters, reduced, &level, rows)?,
+        Precision::Reduced(reduced) => rounded(m, parameters, reduced, level, rows)?,
     };
     let last = rows.iter().filter_map(Signal::time).max().unwrap_or(0);
     for ((k, l), row) in DIFFERENCES.into_iter().zip(&rows) {
@@ -109,23 +187,28 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
         let row = if row.word() == word { row } else { m.modulo(&row, word.width()) };
         m.output(format!("n{k}{l}"), &row);
     }
-    m.finish()
+    Ok(())
 }
 
-/// The 12 control points of the chosen axis. A patch's points are shifted in, x, y and z together; after 12 of them
-/// the first one is at place 0.
-fn control_points(m: &Builder, parameters: Parameters) -> Vec<Signal> {
+/// The points of a patch by axis. They are shifted in, x, y and z together; after 12 of them the first one is at place 0.
+fn banks(m: &Builder, parameters: Parameters) -> [Vec<Signal>; 3] {
     let word = parameters.point();
     let points = AXES.map(|axis| m.input(format!("point_{axis}"), word));
-    let [shift, axis_x, axis_y] = ["shift", "axis_x", "axis_y"].map(|name| m.input(name, Word::bit()));
-    let banks = [0, 1, 2].map(|index| {
+    let shift = m.input("shift", Word::bit());
+    [0, 1, 2].map(|index| {
         let bank: Vec<Signal> =
             (0..12).map(|place| m.register(format!("{}_{place}", AXES[index]), word)).collect();
         for (place, register) in bank.iter().enumerate() {
             m.on(&shift, register, bank.get(place + 1).unwrap_or(&points[index]));
         }
         bank
-    });
+    })
+}
+
+/// The 12 control points of the chosen axis.
+fn control_points(m: &Builder, parameters: Parameters) -> Vec<Signal> {
+    let banks = banks(m, parameters);
+    let [axis_x, axis_y] = ["axis_x", "axis_y"].map(|name| m.input(name, Word::bit()));
     let modulus = parameters.startup_modulus();
     (0..12)
         .map(|place| {

@@ -1,0 +1,24 @@
+//! Lanes: neighbouring strips of a patch at once, from columns that they share.
+//!
+//! ```text
+//!   start-up ─► outer differences ─► heads of the next group: K + 1 columns ─► columns 0 .. K ─► rounders ─► FIFO
+//!               (step by step)       (one a step)                              (all at once)
+//!
+//!   strip i       between columns i and i + 1        lane 0
+//!   strip i + 1   between columns i + 1 and i + 2    lane 1       2 K triangles from K + 1 vertices a clock
+//! ```
+//!
+//! Where numbers come in chunks, the outer differences, which step once for each column, are kept as digits in
+//! shift registers, with an adder of one digit each; a step takes as many clocks as there are digits, and the columns that
+//! run meanwhile do not wait for it. Digit after digit, a head goes from the outer differences to its column, whose
+//! chunks take it one clock after the other, as skewed numbers do.
+//!
+//! A vertex is a numerator over 3 * 2^s, rounded. Half a unit for the rounding is added once, to the first difference of
+//! the patch: the basis sums to 1, so that every vertex has it.
+
+mod columns;
+mod control;
+mod outer;
+mod top;
+
+pub(super) use top::build;

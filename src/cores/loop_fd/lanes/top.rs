@@ -1,0 +1,79 @@
+//! The units put together between two AXI4-Streams.
+
+use std::rc::Rc;
+
+use super::super::top::{Arrivals, Flags, arrivals, stream_out};
+use super::super::{AXES, Parameters};
+use super::{columns, control, outer};
+use crate::error::Result;
+use crate::hdl::skew::{LEAD, SkewedPorts, skew};
+use crate::hdl::{Builder, Module, Signal, Word};
+
+pub fn build(parameters: Parameters, lanes: u32) -> Result<Rc<Module>> {
+    let m = Builder::new("loop_fd");
+    m.purpose(
+        "Forward-difference engine for Loop patches: 12 control points in, the vertices of neighbouring",
+    );
+    m.purpose("triangle strips out, a row of all at once, each the exact limit point correctly rounded.");
+    m.parameter("lanes", lanes);
+    m.parameter("digits", parameters.digits());
+    let Arrivals { captures, differences, waiting, taken, level } = arrivals(&m, parameters)?;
+
+    let has_room = m.forward("has_room", Word::bit());
+    let inputs = [("waiting", &waiting), ("level", &level), ("has_room", &has_room)];
+    let control = m.instance("control", &control::build(parameters, lanes)?, &inputs);
+    m.drive(&taken, control.out("taken"));
+    let registered = |name: &str| m.restart(&control.out(name), 0);
+    let named = |names: Vec<String>| -> Vec<(String, Signal)> {
+        names.into_iter().map(|name| (name.clone(), registered(&name))).collect()
+    };
+    let steps = named(["load", "advance"].map(String::from).to_vec());
+    let keeps = named((1..=lanes).map(|k| format!("keep_{k}")).collect());
+    let mut rows = named((0..lanes).map(|k| format!("take_{k}")).collect());
+    rows.extend(named(["strip", "step", "valid"].map(String::from).to_vec()));
+    rows.extend(keeps.iter().cloned());
+    let beat = registered("valid");
+
+    // Digits come a clock behind what is said of them.
+    let lead = parameters.digit().map_or(0, |_| LEAD);
+    let outer = outer::build(parameters)?;
+    let columns = columns::build(parameters, lanes)?;
+    let columns = match parameters.digit() {
+        Some(chunk) => skew(&columns, chunk, SkewedPorts { inputs: true, outputs: false })?,
+        None => columns,
+    };
+    let mut vertices: Vec<Vec<Signal>> = vec![];
+    for (axis, capture) in AXES.iter().zip(&captures) {
+        let mut inputs: Vec<(&str, &Signal)> = vec![("capture", capture)];
+        inputs.extend(steps.iter().chain(&differences).map(|(name, signal)| (name.as_str(), signal)));
+        let placed = m.instance(&format!("outer_{axis}"), &outer, &inputs);
+        let head = |name: String, word: Word| {
+            let bits = placed.out(&name);
+            let number = match parameters.digit() {
+                None => bits,
+                // Chunk c is what is on the bus c clocks later.
+                Some(size) => {
+                    let wide = m.concat(&vec![&bits; word.width().div_ceil(size) as usize]);
+                    m.wrap(&wide, word)
+                }
+            };
+            (name, m.restart(&number, lead))
+        };
+        let orders = (0..4).flat_map(|l| ["last", "next"].map(|side| (format!("{side}_{l}"), (0, l))));
+        let orders = orders.chain([("fourth".into(), (1, 3))]);
+        let heads: Vec<(String, Signal)> =
+            orders.map(|(name, kl)| head(name, parameters.difference(kl))).collect();
+        let inputs = rows.iter().chain(&heads).map(|(name, signal)| (name.as_str(), signal));
+        let placed = m.instance(&format!("columns_{axis}"), &columns, &inputs.collect::<Vec<_>>());
+        vertices.push((0..=lanes).map(|k| placed.out(&format!("v{k}"))).collect());
+    }
+    let vertices: Vec<[Signal; 3]> =
+        (0..=lanes as usize).map(|k| [0, 1, 2].map(|axis: usize| vertices[axis][k].clone())).collect();
+    let names: Vec<String> = (0..=lanes).map(|k| format!("v{k}")).collect();
+    let [last, start, end] = ["strip_end", "patch_start", "patch_end"].map(registered);
+    let keeps = keeps.into_iter().map(|(_, keep)| keep).collect();
+    let flags = Flags { keeps, last: &last, start: &start, end: &end };
+    let room = stream_out(&m, parameters, &names, &vertices, &beat, flags)?;
+    m.drive(&has_room, &room);
+    m.finish()
+}
