@@ -61,6 +61,7 @@ const FIRST: Constants = Constants {
         adder: 1.0,
         further: 2.0,
         multiplexer: 1.0,
+        folded: 0.3,
         logic: 1.0,
         memory: 1.0,
         delay: 0.0,
@@ -116,7 +117,7 @@ impl Calibration {
         })?;
         Ok(format!(
             "# Cores that were placed and routed (see 'point'), and the constants that are fitted to them.\n\
-             # Measured and written anew by: cargo test --release --test calibration -- --ignored\n\n{body}"
+             # Measured and written anew by: cargo test --release --test calibration -- --ignored measured_anew\n\n{body}"
         ))
     }
 }
@@ -131,7 +132,7 @@ fn fitted(known: &Constants, measured: &[(&Features, &Point)]) -> Constants {
     };
     let first = known.luts.values();
     let luts = minimise(&first, |values| {
-        let Ok(values) = <[f64; 7]>::try_from(values) else { return f64::INFINITY };
+        let Ok(values) = <[f64; 8]>::try_from(values) else { return f64::INFINITY };
         let constants = Constants { luts: Load::of(values), ..known.clone() };
         let errors = measured.iter().map(|(core, point)| square(constants.luts(core), point.luts as f64));
         errors.sum::<f64>() + stays(&values, &first)
@@ -152,7 +153,7 @@ fn fitted(known: &Constants, measured: &[(&Features, &Point)]) -> Constants {
         measured.iter().map(|(core, point)| square(of(core), point.flip_flops as f64)).sum()
     });
     let rounded = |value: f64| (value * 1e4).round() / 1e4;
-    let luts = <[f64; 7]>::try_from(luts).map_or(known.luts, |values| Load::of(values.map(rounded)));
+    let luts = <[f64; 8]>::try_from(luts).map_or(known.luts, |values| Load::of(values.map(rounded)));
     Constants {
         name: known.name.clone(),
         flip_flops: rounded(registers[0]),

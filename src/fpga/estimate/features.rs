@@ -86,10 +86,15 @@ impl Features {
                     self.load.further += bits * f64::from(operands - 2);
                 }
             }
-            Cell::Select { on_true, on_false, .. } => match constant(on_true) || constant(on_false) {
-                true => self.load.logic += width,
-                false => self.load.multiplexer += width,
-            },
+            Cell::Select { on_true, on_false, .. } => {
+                if folds(flat, id) {
+                    self.load.folded += width;
+                } else if constant(on_true) || constant(on_false) {
+                    self.load.logic += width;
+                } else {
+                    self.load.multiplexer += width;
+                }
+            }
             Cell::Compare { relation, left, right } => {
                 let bits = f64::from(full(left).max(full(right)));
                 let operands = if constant(left) || constant(right) { 1.0 } else { 2.0 };
@@ -132,6 +137,24 @@ fn adder(flat: &Flat, needed: &[u32], id: NodeId) -> (u32, f64) {
     starts.sort_unstable();
     let second = starts.get(1).copied().unwrap_or(0);
     (starts.len() as u32, f64::from(needed[id.index()].saturating_sub(second)))
+}
+
+/// Whether a node is a choice of which one side is a sum of two numbers.
+fn folds(flat: &Flat, id: NodeId) -> bool {
+    let Cell::Select { on_true, on_false, .. } = &flat.node(id).cell else { return false };
+    [on_true, on_false].into_iter().any(|side| {
+        let mut id = *side;
+        loop {
+            match &flat.node(id).cell {
+                Cell::Wrap { of } | Cell::Claim { of, .. } | Cell::Slice { of, .. } => id = *of,
+                Cell::Sum { terms, constant: 0 } if terms.len() == 1 => id = terms[0].of,
+                Cell::Sum { terms, constant } => {
+                    return terms.len() + usize::from(*constant != 0) == 2;
+                }
+                _ => return false,
+            }
+        }
+    })
 }
 
 /// Whether a node is a register, a memory or a port, or a part of one.
@@ -264,7 +287,7 @@ fn delay(flat: &Flat, needed: &[u32], id: NodeId) -> (f64, f64, f64) {
             (0 | 1, _) => (0.0, 0.0, 0.0),
             (operands, bits) => (f64::from(operands - 1), bits, 0.0),
         },
-        Cell::Select { .. } => (1.0, 0.0, 0.0),
+        Cell::Select { .. } => (if folds(flat, id) { 0.0 } else { 1.0 }, 0.0, 0.0),
         Cell::Compare { relation, left, right } => match relation {
             Relation::Equal | Relation::NotEqual => {
                 ((2.0 * full(left).max(full(right))).log(4.0).max(0.5), 0.0, 0.0)
@@ -294,16 +317,17 @@ mod tests {
     }
 
     #[test]
-    fn a_choice_behind_an_adder_lengthens_the_path_and_has_a_fan_out() {
+    fn only_the_first_choice_behind_an_adder_is_part_of_it() {
         let m = Builder::new("m");
         let [a, b] = ["a", "b"].map(|name| m.input(name, Word::signed(7)));
         let choose = m.input("choose", Word::unsigned(1));
         let word = Word::signed(8);
-        let (sum, wide) = (m.signal(&a + &b), m.pipe("wide", m.wrap(&a, word)));
-        m.output("y", m.pipe("y", m.select(&choose, &sum, &wide)));
+        let (sum, wide) = (m.signal(&a + &b), m.wrap(&a, word));
+        let chosen = m.select(&choose, &sum, &wide);
+        m.output("y", m.pipe("y", m.select(&choose, &wide, &chosen)));
         let features = Features::of(&m.finish().unwrap()).unwrap();
-        assert_eq!((features.load.adder, features.load.multiplexer), (8.0, 8.0));
-        assert_eq!(features.fan_out, 8);
-        assert!(features.paths.contains(&Path { levels: 2.0, carry: 8.0, multipliers: 0.0 }));
+        assert_eq!((features.load.adder, features.load.folded, features.load.multiplexer), (8.0, 8.0, 8.0));
+        assert_eq!(features.fan_out, 16);
+        assert_eq!(features.paths, [Path { levels: 2.0, carry: 8.0, multipliers: 0.0 }]);
     }
 }

@@ -6,7 +6,8 @@
 //!                  └── each times a constant of the family, fitted to cores that were placed and routed (calibration)
 //! ```
 //!
-//! `cargo test --release --test calibration -- --ignored` measures all cores of the table anew and fits the constants.
+//! `cargo test --release --test calibration -- --ignored measured_anew` measures all cores of the table anew and fits
+//! the constants; `fitted_anew` only fits.
 
 pub mod calibration;
 mod features;
@@ -31,6 +32,8 @@ pub struct Load {
     /// For each operand beyond the second.
     pub further: f64,
     pub multiplexer: f64,
+    /// Multiplexers behind an adder, which some families have room for in the adder's cell.
+    pub folded: f64,
     /// Gates, equalities, tables, in LUTs of four inputs.
     pub logic: f64,
     /// Bits by sixteen words of memory.
@@ -42,12 +45,21 @@ pub struct Load {
 }
 
 impl Load {
-    pub(super) fn values(&self) -> [f64; 7] {
-        [self.adder, self.further, self.multiplexer, self.logic, self.memory, self.delay, self.product]
+    pub(super) fn values(&self) -> [f64; 8] {
+        [
+            self.adder,
+            self.further,
+            self.multiplexer,
+            self.folded,
+            self.logic,
+            self.memory,
+            self.delay,
+            self.product,
+        ]
     }
 
-    pub(super) fn of([adder, further, multiplexer, logic, memory, delay, product]: [f64; 7]) -> Load {
-        Load { adder, further, multiplexer, logic, memory, delay, product }
+    pub(super) fn of([adder, further, multiplexer, folded, logic, memory, delay, product]: [f64; 8]) -> Load {
+        Load { adder, further, multiplexer, folded, logic, memory, delay, product }
     }
 }
 
