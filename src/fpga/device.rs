@@ -165,6 +165,14 @@ impl Family {
         }
     }
 
+    /// What goes before synthesis: a family without memory made of LUTs cannot do as the Verilog asks.
+    pub fn preparation(self) -> &'static str {
+        match self {
+            Family::Ice40 => "setattr -unset ram_style a:ram_style; ",
+            Family::Ecp5 | Family::Gowin | Family::Nexus => "",
+        }
+    }
+
     /// The option that leaves the pads of the pins away.
     pub fn without_pads(self) -> &'static str {
         match self {

@@ -48,8 +48,9 @@ pub fn synthesise(
         _ => String::new(),
     };
     let script = format!(
-        "read_verilog {}; {}{} -top {top}{pads}; write_json netlist.json",
+        "read_verilog {}; {}{}{} -top {top}{pads}; write_json netlist.json",
         names.join(" "),
+        family.preparation(),
         device.synthesis(),
         family.without_pads()
     );

@@ -2,6 +2,7 @@
 //!
 //! ```text
 //!   from the outputs back      how many low bits of each word anybody reads: synthesis trims the others
+//!   from the inputs on         how many of them are always 0: synthesis trims these too
 //!   bits of each kind          adders, multiplexers, comparisons and logic, memory, registers
 //!   registers to registers     levels of logic, carry, multipliers: of every path that no other one exceeds in all three
 //! ```
@@ -9,6 +10,7 @@
 use std::rc::Rc;
 
 use super::Load;
+use super::kept::Kept;
 use crate::error::Result;
 use crate::hdl::{Cell, Flat, Module, NodeId, Relation};
 
@@ -54,12 +56,12 @@ impl Features {
     /// A combinational loop.
     pub fn of(core: &Rc<Module>) -> Result<Features> {
         let flat = Flat::new(core)?;
-        let needed = needed(&flat);
-        let mut features = Features { paths: paths(&flat, &needed), ..Features::default() };
+        let kept = Kept::of(&flat);
+        let mut features = Features { paths: paths(&flat, &kept), ..Features::default() };
         let mut steered = vec![0u64; flat.nodes.len()];
-        for id in flat.order.iter().chain(&flat.clocked).copied().filter(|id| needed[id.index()] > 0) {
-            features.count(&flat, &needed, id);
-            let width = u64::from(needed[id.index()]);
+        for id in flat.order.iter().chain(&flat.clocked).copied().filter(|id| kept.bits(*id) > 0) {
+            features.count(&flat, &kept, id);
+            let width = u64::from(kept.bits(id));
             match &flat.node(id).cell {
                 Cell::Select { condition, .. } => steered[condition.index()] += width,
                 Cell::Register { enable: Some(enable), .. } => steered[enable.index()] += width,
@@ -74,13 +76,13 @@ impl Features {
         Ok(features)
     }
 
-    fn count(&mut self, flat: &Flat, needed: &[u32], id: NodeId) {
-        let width = f64::from(needed[id.index()]);
+    fn count(&mut self, flat: &Flat, kept: &Kept, id: NodeId) {
+        let width = f64::from(kept.bits(id));
         let full = |id: &NodeId| flat.node(*id).word.width();
         let constant = |id: &NodeId| matches!(flat.node(*id).cell, Cell::Constant(_));
         match &flat.node(id).cell {
             Cell::Sum { .. } => {
-                let (operands, bits) = adder(flat, needed, id);
+                let (operands, bits) = adder(flat, kept, id);
                 if operands > 1 {
                     self.load.adder += bits;
                     self.load.further += bits * f64::from(operands - 2);
@@ -112,21 +114,21 @@ impl Features {
                 self.dsps += blocks(left) * blocks(right);
             }
             Cell::Register { next, .. } => {
-                self.register_bits += u64::from(needed[id.index()]);
+                self.register_bits += u64::from(kept.bits(id));
                 if next.is_some_and(|next| stored(flat, next)) {
                     self.load.delay += width;
                 }
             }
-            Cell::MemoryRead { .. } => self.register_bits += u64::from(needed[id.index()]),
+            Cell::MemoryRead { .. } => self.register_bits += u64::from(kept.bits(id)),
             _ => {}
         }
     }
 }
 
 /// The number of operands of a sum, and the bits in which at least two of them meet.
-fn adder(flat: &Flat, needed: &[u32], id: NodeId) -> (u32, f64) {
+fn adder(flat: &Flat, kept: &Kept, id: NodeId) -> (u32, f64) {
     let Cell::Sum { terms, constant } = &flat.node(id).cell else { return (0, 0.0) };
-    let mut starts: Vec<u32> = terms.iter().map(|term| term.shift).collect();
+    let mut starts: Vec<u32> = terms.iter().map(|term| term.shift + kept.zeros[term.of.index()]).collect();
     if *constant != 0 {
         starts.push(constant.trailing_zeros());
     }
@@ -136,7 +138,7 @@ fn adder(flat: &Flat, needed: &[u32], id: NodeId) -> (u32, f64) {
     }
     starts.sort_unstable();
     let second = starts.get(1).copied().unwrap_or(0);
-    (starts.len() as u32, f64::from(needed[id.index()].saturating_sub(second)))
+    (starts.len() as u32, f64::from(kept.read[id.index()].saturating_sub(second)))
 }
 
 /// Whether a node is a choice of which one side is a sum of two numbers.
@@ -168,83 +170,12 @@ fn stored(flat: &Flat, mut id: NodeId) -> bool {
     }
 }
 
-/// How many low bits of each node are read.
-fn needed(flat: &Flat) -> Vec<u32> {
-    let mut reads = Reads { flat, needed: vec![0; flat.nodes.len()], open: vec![] };
-    for (_, id) in &flat.outputs {
-        reads.read(*id, ALL);
-    }
-    while let Some(id) = reads.open.pop() {
-        reads.follow(id);
-    }
-    reads.needed
-}
-
-/// More bits than any word has.
-const ALL: u32 = u32::MAX / 2;
-
-struct Reads<'a> {
-    flat: &'a Flat,
-    needed: Vec<u32>,
-    /// Nodes of which more is read than was followed.
-    open: Vec<NodeId>,
-}
-
-impl Reads<'_> {
-    fn read(&mut self, id: NodeId, bits: u32) {
-        let bits = bits.min(self.flat.node(id).word.width());
-        if bits > self.needed[id.index()] {
-            self.needed[id.index()] = bits;
-            self.open.push(id);
-        }
-    }
-
-    /// Reads what a node is made from.
-    fn follow(&mut self, id: NodeId) {
-        let (flat, bits) = (self.flat, self.needed[id.index()]);
-        match &flat.node(id).cell {
-            Cell::Input | Cell::Constant(_) | Cell::InstanceOutput { .. } => {}
-            Cell::Wire { driver } => driver.iter().for_each(|of| self.read(*of, bits)),
-            Cell::Sum { terms, .. } => {
-                terms.iter().for_each(|term| self.read(term.of, bits.saturating_sub(term.shift)));
-            }
-            Cell::Product { left, right } => [left, right].iter().for_each(|of| self.read(**of, bits)),
-            Cell::ShiftRight { of, amount: low, .. } | Cell::Slice { of, low } => self.read(*of, bits + low),
-            Cell::Wrap { of } | Cell::Claim { of, .. } | Cell::Not { of } => self.read(*of, bits),
-            Cell::Select { condition, on_true, on_false } => {
-                self.read(*condition, 1);
-                [on_true, on_false].iter().for_each(|of| self.read(**of, bits));
-            }
-            Cell::Compare { left, right, .. } => [left, right].iter().for_each(|of| self.read(**of, ALL)),
-            Cell::Logic { operands, .. } => operands.iter().for_each(|of| self.read(*of, bits)),
-            Cell::Concat { parts } => {
-                let mut low = 0;
-                for part in parts.iter().rev() {
-                    self.read(*part, bits.saturating_sub(low));
-                    low += flat.node(*part).word.width();
-                }
-            }
-            Cell::Register { next, enable, .. } => {
-                next.iter().for_each(|of| self.read(*of, bits));
-                enable.iter().for_each(|of| self.read(*of, 1));
-            }
-            Cell::MemoryRead { memory, address, enable } => {
-                self.read(*address, ALL);
-                enable.iter().for_each(|of| self.read(*of, 1));
-                if let Some(write) = &flat.memories[*memory].write {
-                    [write.enable, write.address, write.data].iter().for_each(|of| self.read(*of, ALL));
-                }
-            }
-        }
-    }
-}
-
 /// The longest paths between registers.
-fn paths(flat: &Flat, needed: &[u32]) -> Vec<Path> {
+fn paths(flat: &Flat, kept: &Kept) -> Vec<Path> {
     let mut arrivals: Vec<Vec<Path>> = vec![vec![Path::default()]; flat.nodes.len()];
-    for id in flat.order.iter().copied().filter(|id| needed[id.index()] > 0) {
+    for id in flat.order.iter().copied().filter(|id| kept.bits(*id) > 0) {
         let cell = &flat.node(id).cell;
-        let (levels, carry, multipliers) = delay(flat, needed, id);
+        let (levels, carry, multipliers) = delay(flat, kept, id);
         let mut longest = vec![];
         for of in cell.combinational_inputs() {
             // A claim is no hardware.
@@ -263,7 +194,7 @@ fn paths(flat: &Flat, needed: &[u32]) -> Vec<Path> {
         arrivals[id.index()] = longest;
     }
     let mut longest = vec![];
-    let ends = flat.clocked.iter().filter(|id| needed[id.index()] > 0);
+    let ends = flat.clocked.iter().filter(|id| kept.bits(**id) > 0);
     let ends = ends.flat_map(|id| flat.node(*id).cell.clocked_inputs());
     for id in ends.chain(flat.outputs.iter().map(|(_, id)| *id)) {
         arrivals[id.index()].iter().for_each(|path| keep(&mut longest, *path));
@@ -280,10 +211,10 @@ fn keep(longest: &mut Vec<Path>, path: Path) {
 }
 
 /// What a cell adds to a path: levels, carry, multipliers.
-fn delay(flat: &Flat, needed: &[u32], id: NodeId) -> (f64, f64, f64) {
+fn delay(flat: &Flat, kept: &Kept, id: NodeId) -> (f64, f64, f64) {
     let full = |id: &NodeId| f64::from(flat.node(*id).word.width());
     match &flat.node(id).cell {
-        Cell::Sum { .. } => match adder(flat, needed, id) {
+        Cell::Sum { .. } => match adder(flat, kept, id) {
             (0 | 1, _) => (0.0, 0.0, 0.0),
             (operands, bits) => (f64::from(operands - 1), bits, 0.0),
         },

@@ -12,6 +12,7 @@
 pub mod calibration;
 mod features;
 mod fit;
+mod kept;
 
 use std::rc::Rc;
 
