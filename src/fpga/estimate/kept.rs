@@ -1,7 +1,7 @@
-//! Which bits of each word synthesis keeps: those that are read, and not always 0.
+//! Which bits of each word synthesis keeps: those that are read, not always 0, and no copies of the sign.
 //!
 //! ```text
-//!   0 0 s s x x x x x 0 0      read: 9 low bits; zeros: 2; kept: 7
+//!   s s s s x x x x x 0 0      read: 9 low bits; zeros: 2; all above 8 are copies: kept are 6
 //! ```
 
 use crate::hdl::{Bitwise, Cell, Flat, NodeId};
@@ -12,34 +12,58 @@ pub(super) struct Kept {
     pub read: Vec<u32>,
     /// How many low bits are always 0.
     pub zeros: Vec<u32>,
+    /// Beyond how many low bits all are copies of the last one.
+    pub signed: Vec<u32>,
 }
 
 impl Kept {
     pub fn of(flat: &Flat) -> Kept {
-        Kept { read: needed(flat), zeros: zeros(flat) }
+        let width = |id: usize| flat.nodes[id].node.word.width();
+        let signed = grown(flat, |known, id| signed_of(flat, known, id), (0..flat.nodes.len()).map(width));
+        let zeros = grown(flat, |known, id| zeros_of(flat, known, id), flat.nodes.iter().map(|_| 0));
+        Kept { read: needed(flat), zeros, signed }
     }
 
     pub fn bits(&self, id: NodeId) -> u32 {
-        self.read[id.index()].saturating_sub(self.zeros[id.index()])
+        self.read[id.index()].min(self.signed[id.index()]).saturating_sub(self.zeros[id.index()])
     }
 }
 
-/// Low bits that are 0 whatever comes in. Those that a loop keeps at 0 are not found, as synthesis does not find them.
-fn zeros(flat: &Flat) -> Vec<u32> {
-    let mut zeros = vec![0; flat.nodes.len()];
+/// What is known of every node, from what is known of those that it reads, until nothing more is learnt. What only a
+/// loop keeps up is not found, as synthesis does not find it.
+fn grown(flat: &Flat, found: impl Fn(&[u32], NodeId) -> u32, first: impl Iterator<Item = u32>) -> Vec<u32> {
+    let mut known: Vec<u32> = first.collect();
     loop {
         let mut changed = false;
         for id in flat.order.iter().chain(&flat.clocked) {
-            let found = zeros_of(flat, &zeros, *id).min(flat.node(*id).word.width());
-            changed |= found > zeros[id.index()];
-            zeros[id.index()] = found.max(zeros[id.index()]);
+            let found = found(&known, *id).min(flat.node(*id).word.width());
+            changed |= found != known[id.index()];
+            known[id.index()] = found;
         }
         if !changed {
-            return zeros;
+            return known;
         }
     }
 }
 
+/// Low bits of which all others are copies.
+fn signed_of(flat: &Flat, signed: &[u32], id: NodeId) -> u32 {
+    let of = |id: &NodeId| signed[id.index()];
+    match &flat.node(id).cell {
+        Cell::Wrap { of: inner } | Cell::Claim { of: inner, .. } | Cell::Wire { driver: Some(inner) } => {
+            // Above a number without sign there are zeros.
+            of(inner) + u32::from(!flat.node(*inner).word.is_signed())
+        }
+        Cell::ShiftRight { of: inner, amount: low, .. } | Cell::Slice { of: inner, low } => {
+            of(inner).saturating_sub(*low).max(1)
+        }
+        Cell::Select { on_true, on_false, .. } => of(on_true).max(of(on_false)),
+        Cell::Register { next: Some(next), .. } => of(next),
+        _ => u32::MAX,
+    }
+}
+
+/// Low bits that are 0 whatever comes in.
 fn zeros_of(flat: &Flat, zeros: &[u32], id: NodeId) -> u32 {
     let of = |id: &NodeId| zeros[id.index()];
     let number = |value: i128| if value == 0 { ALL } else { value.trailing_zeros() };
@@ -159,5 +183,16 @@ mod tests {
         let register = flat.clocked[0];
         assert_eq!((kept.read[register.index()], kept.zeros[register.index()]), (7, 2));
         assert_eq!(kept.bits(register), 5);
+    }
+
+    #[test]
+    fn copies_of_the_sign_are_one_bit() {
+        let m = Builder::new("m");
+        let a = m.input("a", Word::signed(6));
+        let wide = m.wrap(&a, Word::signed(14));
+        let high = m.pipe("high", m.slice(&wide, 8, 6));
+        m.output("y", &high);
+        let flat = Flat::new(&m.finish().unwrap()).unwrap();
+        assert_eq!(Kept::of(&flat).bits(flat.clocked[0]), 1);
     }
 }
