@@ -89,15 +89,17 @@ impl Calibration {
     pub fn fit(&mut self, features: &[Features]) {
         let mut known = FIRST;
         for family in [Family::Ecp5, Family::Ice40, Family::Gowin, Family::Nexus] {
-            let measured: Vec<(&Features, &Point)> = features
+            let measured: Vec<Measured> = features
                 .iter()
                 .zip(&self.point)
-                .filter(|(_, point)| Device::named(&point.device).is_ok_and(|device| device.family == family))
+                .filter_map(|(core, point)| Some((core, point, Device::named(&point.device).ok()?)))
+                .filter(|(_, _, device)| device.family == family)
                 .collect();
             if measured.is_empty() {
                 continue;
             }
-            let fitted = Constants { name: family.name().into(), ..fitted(&known, &measured) };
+            let first = Constants { luts: first(family, known.luts), ..known.clone() };
+            let fitted = Constants { name: family.name().into(), ..fitted(&first, &measured) };
             self.family.retain(|constants| constants.name != fitted.name);
             self.family.push(fitted.clone());
             // The others are like the ECP5, as far as they do not say otherwise.
@@ -125,7 +127,20 @@ impl Calibration {
 /// How little a constant may leave what is known without a reason: few points do not decide all of them.
 const TRUST: f64 = 1e-4;
 
-fn fitted(known: &Constants, measured: &[(&Features, &Point)]) -> Constants {
+/// What is counted in a core, what was measured, and on what.
+type Measured<'a> = (&'a Features, &'a Point, &'static Device);
+
+/// What is known of a family from its cells, beside what is known of the ECP5.
+fn first(family: Family, ecp5: Load) -> Load {
+    match family {
+        Family::Ecp5 | Family::Nexus => ecp5,
+        // A register takes a place of its own where no LUT is before it, and nothing goes into the cells of adders.
+        Family::Ice40 => Load { folded: 1.0, delay: 1.0, product: 1.0, ..ecp5 },
+        Family::Gowin => Load { folded: 1.0, delay: 1.0, ..ecp5 },
+    }
+}
+
+fn fitted(known: &Constants, measured: &[Measured]) -> Constants {
     let square = |estimate: f64, found: f64| (estimate / found - 1.0).powi(2);
     let stays = |values: &[f64], known: &[f64]| -> f64 {
         values.iter().zip(known).map(|(value, known)| TRUST * ((value - known) / (known + 0.1)).powi(2)).sum()
@@ -134,7 +149,9 @@ fn fitted(known: &Constants, measured: &[(&Features, &Point)]) -> Constants {
     let luts = minimise(&first, |values| {
         let Ok(values) = <[f64; 8]>::try_from(values) else { return f64::INFINITY };
         let constants = Constants { luts: Load::of(values), ..known.clone() };
-        let errors = measured.iter().map(|(core, point)| square(constants.luts(core), point.luts as f64));
+        let errors = measured
+            .iter()
+            .map(|(core, point, device)| square(constants.luts(core, device), point.luts as f64));
         errors.sum::<f64>() + stays(&values, &first)
     });
     let Clock { base, level, carry, multiplier, fan_out } = known.clock;
@@ -145,12 +162,13 @@ fn fitted(known: &Constants, measured: &[(&Features, &Point)]) -> Constants {
     };
     let clock = minimise(&first, |values| {
         let constants = Constants { clock: named(values), ..known.clone() };
-        let delays = measured.iter().map(|(core, point)| square(1e3 / constants.delay_ns(core), point.mhz));
+        let delays =
+            measured.iter().map(|(core, point, _)| square(1e3 / constants.delay_ns(core), point.mhz));
         delays.sum::<f64>() + stays(values, &first)
     });
     let registers = minimise(&[known.flip_flops], |values| {
         let of = |core: &Features| values[0] * core.register_bits as f64;
-        measured.iter().map(|(core, point)| square(of(core), point.flip_flops as f64)).sum()
+        measured.iter().map(|(core, point, _)| square(of(core), point.flip_flops as f64)).sum()
     });
     let rounded = |value: f64| (value * 1e4).round() / 1e4;
     let luts = <[f64; 8]>::try_from(luts).map_or(known.luts, |values| Load::of(values.map(rounded)));

@@ -96,16 +96,19 @@ impl Constants {
     pub fn estimate(&self, features: &Features, device: &Device) -> Estimate {
         Estimate {
             device: device.name.into(),
-            luts: self.luts(features).round() as u64,
+            luts: self.luts(features, device).round() as u64,
             flip_flops: (self.flip_flops * features.register_bits as f64).round() as u64,
-            dsps: if self.luts.product > 0.0 { 0 } else { features.dsps },
+            dsps: if device.holds.dsps > 0 { features.dsps } else { 0 },
             // A tenth of a megahertz is far below what the model knows.
             clock_mhz: (1e4 / self.delay_ns(features)).round() / 10.0,
         }
     }
 
-    pub(super) fn luts(&self, features: &Features) -> f64 {
-        self.luts.values().iter().zip(features.load.values()).map(|(cost, bits)| cost * bits).sum()
+    pub(super) fn luts(&self, features: &Features, device: &Device) -> f64 {
+        // Multipliers have their blocks where the device has any.
+        let product = if device.holds.dsps > 0 { 0.0 } else { features.load.product };
+        let load = Load { product, ..features.load };
+        self.luts.values().iter().zip(load.values()).map(|(cost, bits)| cost * bits).sum()
     }
 
     /// Nanoseconds of the slowest path.
