@@ -47,7 +47,7 @@ fn verdict(words: &[&str]) -> (Value, Vec<u64>) {
 
 const TRIANGLES: [&str; 8] =
     ["--shape", "octahedron", "--level", "1", "--max-level", "1", "--coordinates", "Q3.3"];
-const QUADS: [&str; 12] = [
+const QUADS: [&str; 14] = [
     "--shape",
     "cube-quads",
     "--scheme",
@@ -60,6 +60,8 @@ const QUADS: [&str; 12] = [
     "2",
     "--schedule",
     "shared",
+    "--rows-per-clock",
+    "2",
 ];
 
 #[test]

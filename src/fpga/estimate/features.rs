@@ -218,14 +218,19 @@ fn delay(flat: &Flat, kept: &Kept, id: NodeId) -> (f64, f64, f64) {
             (0 | 1, _) => (0.0, 0.0, 0.0),
             (operands, bits) => (f64::from(operands - 1), bits, 0.0),
         },
-        Cell::Select { .. } => (if folds(flat, id) { 0.0 } else { 1.0 }, 0.0, 0.0),
+        Cell::Select { .. } if folds(flat, id) => (0.0, 0.0, 0.0),
+        // Gates of one bit share LUTs: each takes the share of its inputs.
+        Cell::Select { .. } if kept.bits(id) == 1 => (0.5, 0.0, 0.0),
+        Cell::Select { .. } => (1.0, 0.0, 0.0),
         Cell::Compare { relation, left, right } => match relation {
             Relation::Equal | Relation::NotEqual => {
-                ((2.0 * full(left).max(full(right))).log(4.0).max(0.5), 0.0, 0.0)
+                let constant = |id: &NodeId| matches!(flat.node(*id).cell, Cell::Constant(_));
+                let operands = if constant(left) || constant(right) { 1.0 } else { 2.0 };
+                ((operands * full(left).min(full(right)).max(1.0)).log(4.0).max(0.25), 0.0, 0.0)
             }
             Relation::Less | Relation::LessOrEqual => (1.0, full(left).max(full(right)), 0.0),
         },
-        Cell::Logic { operands, .. } => ((operands.len() as f64).log(4.0), 0.0, 0.0),
+        Cell::Logic { operands, .. } => ((operands.len() as f64).log(8.0), 0.0, 0.0),
         Cell::Product { .. } => (0.0, 0.0, 1.0),
         _ => (0.0, 0.0, 0.0),
     }
