@@ -125,7 +125,7 @@ impl Calibration {
 }
 
 /// How little a constant may leave what is known without a reason: few points do not decide all of them.
-const TRUST: f64 = 1e-4;
+const TRUST: f64 = 1e-3;
 
 /// What is counted in a core, what was measured, and on what.
 type Measured<'a> = (&'a Features, &'a Point, &'static Device);
