@@ -24,9 +24,9 @@
 //! | [`hdl`] | the language: cells, builder, simulator, prover, Verilog printer | `fixed` |
 //! | [`cores`] | the hardware, one unit a file | `hdl`, `fixed`, constants of `surface` |
 //! | [`cosim`] | stimulus, drivers of every simulator, comparison, verdict | all above |
+//! | [`fpga`] | synthesis, place and route, their reports, estimates | `hdl`, running tools as `cosim` does |
 //! | [`package`] | a core as files: Verilog, testbench, FuseSoC, manifest | all above |
 //! | [`board`] | a core with a mesh on a board: contents, frame, clock, project | all above |
-//! | [`fpga`] | synthesis, place and route, their reports | `hdl`, `package`, running tools as `cosim` does |
 //! | [`explore`] | sweeps over number formats, their bounds and costs, the Pareto front | all above |
 //! | [`report`] | tables and pictures | plain data |
 //! | [`cli`] | one file for each subcommand | all above |

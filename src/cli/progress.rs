@@ -15,6 +15,13 @@ pub(super) fn set_quiet(quiet: bool) {
     QUIET.store(quiet, Ordering::Relaxed);
 }
 
+/// A line on standard error that stays; not with `--quiet`.
+pub(super) fn note(line: impl std::fmt::Display) {
+    if !QUIET.load(Ordering::Relaxed) {
+        eprintln!("{line}");
+    }
+}
+
 /// One piece of work that is shown until it is dropped.
 pub struct Progress(ProgressBar);
 

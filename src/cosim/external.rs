@@ -59,7 +59,7 @@ impl External {
 
     fn recipe(&self, dut: &Dut, trace: bool) -> Result<Recipe> {
         match self.tool {
-            Tool::Verilator => verilator::harness_recipe(dut, trace, self.settings.coverage),
+            Tool::Verilator => verilator::harness_recipe(dut, trace, &self.settings),
             Tool::VerilatorTestbench => verilator::testbench_recipe(dut, trace),
             Tool::Icarus => icarus::recipe(dut),
         }

@@ -49,12 +49,17 @@ pub(crate) fn run(line: &[String], folder: &Path, log: &Path, settings: &Setting
 
 /// What a program prints when asked something short, both streams together.
 pub(crate) fn ask(line: &[String], settings: &Settings) -> Result<String> {
+    ask_within(QUESTION, line, settings)
+}
+
+/// The same of a program that may need longer for its answer.
+pub(crate) fn ask_within(limit: Duration, line: &[String], settings: &Settings) -> Result<String> {
     let cannot = |error: std::io::Error| Error::new(Kind::ToolFailed, error.to_string());
     let mut file = tempfile::tempfile().map_err(cannot)?;
     let output = file.try_clone().map_err(cannot)?;
-    let settings = Settings { timeout: QUESTION, ..settings.clone() };
+    let settings = Settings { timeout: limit, ..settings.clone() };
     if start(line, Path::new("."), output, &settings)?.is_none() {
-        let what = format!("{} did not answer within {QUESTION:?}", line.join(" "));
+        let what = format!("{} did not answer within {limit:?}", line.join(" "));
         return Err(Error::new(Kind::ToolFailed, what));
     }
     let mut bytes = Vec::new();
@@ -189,6 +194,14 @@ mod tests {
         assert!(begun.elapsed() < Duration::from_secs(10));
         std::thread::sleep(Duration::from_millis(1500));
         assert!(!folder.path().join("survived").exists(), "the grandchild was not stopped");
+    }
+
+    #[test]
+    fn a_question_is_given_the_time_it_needs_and_no_more() {
+        let line = ["/bin/sh", "-c", "sleep 1; echo 0.57"].map(String::from);
+        let ask = |limit| ask_within(Duration::from_millis(limit), &line, &Settings::default());
+        assert!(ask(100).unwrap_err().what.contains("did not answer within 100ms"));
+        assert_eq!(ask(20_000).unwrap(), "0.57\n");
     }
 
     #[test]

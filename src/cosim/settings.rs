@@ -19,11 +19,13 @@ pub struct Settings {
     pub timeout: Duration,
     /// Measure line and toggle coverage (the Verilator harness only; slower).
     pub coverage: bool,
+    /// Compile fast what runs once and is large, such as a netlist (the Verilator harness only; it runs slower).
+    pub compile_fast: bool,
 }
 
 impl Default for Settings {
     fn default() -> Self {
         let timeout = Duration::from_secs(600);
-        Settings { path: None, cache: None, keep: None, timeout, coverage: false }
+        Settings { path: None, cache: None, keep: None, timeout, coverage: false, compile_fast: false }
     }
 }

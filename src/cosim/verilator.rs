@@ -1,7 +1,7 @@
 //! How Verilator compiles a core: with the C++ harness for speed, or with the emitted testbench.
 
 use super::external::Recipe;
-use super::{Dut, testbench};
+use super::{Dut, Settings, testbench};
 use crate::Result;
 
 /// What both ways share. Lint warnings are for `--lint-only`, not for a simulation.
@@ -10,16 +10,19 @@ const COMMON: [&str; 9] =
 
 /// The model with its harness. Verilator's own library is hardly used while the clock runs; compiling
 /// it without optimization halves the time of a build.
-pub(super) fn harness_recipe(dut: &Dut, trace: bool, coverage: bool) -> Result<Recipe> {
+pub(super) fn harness_recipe(dut: &Dut, trace: bool, settings: &Settings) -> Result<Recipe> {
     let mut compile = vec!["verilator", "--cc", "--exe", "--top-module", &dut.top];
     compile.extend(COMMON);
     compile.extend(["--x-assign", "fast", "--noassert", "-MAKEFLAGS", "OPT_GLOBAL=-O0"]);
     if trace {
         compile.push("--trace");
     }
-    if coverage {
-        // The counters make the model many times as large, and it runs once or twice: compile it fast.
-        compile.extend(["--coverage-line", "--coverage-toggle", "-MAKEFLAGS", "OPT_FAST=-O0"]);
+    if settings.coverage {
+        compile.extend(["--coverage-line", "--coverage-toggle"]);
+    }
+    // The counters of coverage make the model many times as large, and it runs once or twice.
+    if settings.coverage || settings.compile_fast {
+        compile.extend(["-MAKEFLAGS", "OPT_FAST=-O0"]);
     }
     compile.extend(dut.sources());
     compile.push("harness.cpp");

@@ -152,7 +152,7 @@ impl Evaluator {
             false => None,
             true => Some(synth::measure(&built, &core.command())?),
         };
-        Ok((Cost::of(&built), synthesis))
+        Ok((Cost::of(&built)?, synthesis))
     }
 }
 

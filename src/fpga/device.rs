@@ -34,6 +34,8 @@ pub struct Device {
     pub holds: Area,
     /// Options that the synthesis of this device has beyond those of its family.
     pub synthesis_options: &'static str,
+    /// For clock, reset, input and output of the harness, where the tools choose none themselves.
+    pub pins: Option<[&'static str; 4]>,
 }
 
 const fn area(luts: u64, flip_flops: u64, block_rams: u64, dsps: u64) -> Area {
@@ -49,6 +51,7 @@ pub const DEVICES: [Device; 7] = [
         arguments: &["--25k", "--package", "CABGA381", "--speed", "8"],
         holds: area(24_288, 24_288, 56, 28),
         synthesis_options: "",
+        pins: None,
     },
     Device {
         name: "ecp5-85k",
@@ -57,6 +60,7 @@ pub const DEVICES: [Device; 7] = [
         arguments: &["--85k", "--package", "CABGA381", "--speed", "8"],
         holds: area(83_640, 83_640, 208, 156),
         synthesis_options: "",
+        pins: None,
     },
     Device {
         name: "ice40-hx8k",
@@ -65,6 +69,7 @@ pub const DEVICES: [Device; 7] = [
         arguments: &["--hx8k", "--package", "ct256"],
         holds: area(7_680, 7_680, 32, 0),
         synthesis_options: "-device hx",
+        pins: None,
     },
     Device {
         name: "ice40-up5k",
@@ -73,6 +78,7 @@ pub const DEVICES: [Device; 7] = [
         arguments: &["--up5k", "--package", "sg48"],
         holds: area(5_280, 5_280, 30, 8),
         synthesis_options: "-device u -dsp",
+        pins: None,
     },
     Device {
         name: "gowin-gw2a18",
@@ -81,6 +87,7 @@ pub const DEVICES: [Device; 7] = [
         arguments: &["--device", "GW2A-LV18PG256C8/I7", "--vopt", "family=GW2A-18"],
         holds: area(20_736, 15_552, 46, 48),
         synthesis_options: "-family gw2a",
+        pins: Some(["H11", "C13", "A13", "N16"]),
     },
     Device {
         name: "gowin-gw5a25",
@@ -89,6 +96,7 @@ pub const DEVICES: [Device; 7] = [
         arguments: &["--device", "GW5A-LV25MG121NES", "--vopt", "family=GW5A-25A"],
         holds: area(23_040, 23_040, 56, 28),
         synthesis_options: "-family gw5a",
+        pins: Some(["E2", "H11", "H10", "E8"]),
     },
     Device {
         name: "lifcl-40",
@@ -97,6 +105,7 @@ pub const DEVICES: [Device; 7] = [
         arguments: &["--device", "LIFCL-40-9BG400C"],
         holds: area(32_256, 32_256, 84, 56),
         synthesis_options: "-family lifcl",
+        pins: None,
     },
 ];
 
@@ -141,8 +150,45 @@ impl Family {
         match self {
             Family::Ecp5 => "synth_ecp5 -abc9 -nowidelut",
             Family::Ice40 => "synth_ice40 -abc9",
-            Family::Gowin => "synth_gowin",
+            Family::Gowin => "synth_gowin -nowidelut",
             Family::Nexus => "synth_nexus -abc9",
+        }
+    }
+
+    /// As in the names of its devices; Nexus has one of the maker's.
+    pub fn name(self) -> &'static str {
+        match self {
+            Family::Ecp5 => "ecp5",
+            Family::Ice40 => "ice40",
+            Family::Gowin => "gowin",
+            Family::Nexus => "nexus",
+        }
+    }
+
+    /// What goes before synthesis: a family without memory made of LUTs cannot do as the Verilog asks.
+    pub fn preparation(self) -> &'static str {
+        match self {
+            Family::Ice40 => "setattr -unset ram_style a:ram_style; ",
+            Family::Ecp5 | Family::Gowin | Family::Nexus => "",
+        }
+    }
+
+    /// The option that leaves the pads of the pins away.
+    pub fn without_pads(self) -> &'static str {
+        match self {
+            Family::Ecp5 | Family::Ice40 => "",
+            Family::Gowin => " -noiopads",
+            Family::Nexus => " -noiopad",
+        }
+    }
+
+    /// The command that puts them on the module on top alone. Left to itself, synthesis puts them on every module that
+    /// keeps its place.
+    pub fn pads(self) -> &'static str {
+        match self {
+            Family::Ecp5 | Family::Ice40 => "",
+            Family::Gowin => "; iopadmap -bits -inpad IBUF O:I -outpad OBUF I:O",
+            Family::Nexus => "; iopadmap -bits -inpad IB O:I -outpad OB I:O",
         }
     }
 

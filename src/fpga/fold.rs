@@ -48,6 +48,16 @@ pub fn fold_choices(module: &mut Value) -> u64 {
     let Some(cells) = module["cells"].as_object() else { return 0 };
     let fold = Fold { cells, nets };
     let mut plans: Vec<Plan> = fold.chains().iter().filter_map(|chain| fold.plan(chain)).collect();
+    // A choice between two sums goes into one of them.
+    let mut taken = BTreeSet::new();
+    plans.retain(|plan| {
+        let luts: Vec<&String> = plan.halves.iter().filter_map(|(_, lut)| lut.as_ref()).collect();
+        let free = luts.iter().all(|lut| !taken.contains(*lut));
+        if free {
+            taken.extend(luts.into_iter().cloned());
+        }
+        free
+    });
     // A chain that cannot be folded may be what another one relies on.
     loop {
         let folded: BTreeMap<&Half, Choice> =

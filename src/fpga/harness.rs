@@ -11,8 +11,8 @@ use askama::Template;
 
 use crate::error::{Error, Kind, Result};
 use crate::hdl::Module;
+use crate::hdl::ports::ports;
 use crate::hdl::verilog::SourceFile;
-use crate::package::ports;
 
 /// The module of the harness.
 pub const NAME: &str = "synth_harness";

@@ -6,15 +6,20 @@
 //!                                   └─► cells by unit
 //! ```
 //!
+//! The tidied netlist of the core alone can also be simulated ([`GateLevel`]).
+//!
 //! **What is counted.** LUTs and flip-flops are those that nextpnr places, with the cells that it adds itself (carries
 //! that enter and leave their chains), without those of the harness, which are counted from its own module. A cell of
 //! carry is two LUTs. The units are counted in the tidied netlist by the names of the cells; a LUT between two units
 //! belongs to the one whose net gave it its name.
 
 mod cache;
+mod cell_models;
 mod device;
+pub mod estimate;
 mod fan_out;
 mod fold;
+mod gate_level;
 mod harness;
 mod names;
 mod netlist;
@@ -22,6 +27,7 @@ mod nets;
 mod place;
 mod report;
 mod run;
+mod structural;
 mod synthesis;
 mod tidy;
 mod timing;
@@ -30,7 +36,9 @@ mod tools;
 use std::rc::Rc;
 
 pub use device::{Area, DEVICES, Device, Family};
-pub use report::{Clock, Report, SeedClock, Throughput, Unit};
+pub use gate_level::GateLevel;
+pub use netlist::{Census, Netlist};
+pub use report::{Clock, Estimated, Report, SeedClock, Throughput, Unit};
 pub use run::{Progress, Stage};
 pub use tidy::Tidied;
 pub use timing::CriticalPath;
@@ -78,7 +86,8 @@ pub fn measure(
     let cache = cache::Cache::open(settings, options.cached);
     let mut sources = verilog::print(&subject.module, &subject.command)?;
     sources.push(harness::harness(&subject.module)?);
-    let design = synthesis::synthesise(&sources, device, &tools.yosys, settings, &cache, &|stage| {
+    let design = synthesis::Design { sources: &sources, top: harness::NAME, pads: true };
+    let design = synthesis::synthesise(&design, device, &tools.yosys, settings, &cache, &|stage| {
         progress(0, stage);
     })?;
     let mut timings = vec![];

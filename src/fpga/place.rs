@@ -36,15 +36,22 @@ pub fn place(
     let words = arguments(device, how);
     let netlist = design.netlist.text()?;
     let said = words.join(" ");
-    let parts = [("nextpnr", placer.version.as_str()), ("arguments", &said), ("netlist", &netlist)];
+    let pins = device.pins.map(constraints);
+    let parts = [("nextpnr", placer.version.as_str()), ("arguments", said.as_str())].into_iter();
+    let parts =
+        parts.chain(pins.iter().map(|pins| ("pins", pins.as_str()))).chain([("netlist", netlist.as_str())]);
     let hash = hash(parts);
     if let Some(text) = cache.find("placed", &hash) {
         return Timing::parse(&text);
     }
     let failed = |what: String| Error::new(Kind::ToolFailed, what);
     let folder = tempfile::tempdir().map_err(|e| failed(format!("no temporary folder: {e}")))?;
-    std::fs::write(folder.path().join("netlist.json"), netlist)
+    std::fs::write(folder.path().join("netlist.json"), &netlist)
         .map_err(|e| failed(format!("cannot write the netlist: {e}")))?;
+    if let Some(pins) = &pins {
+        std::fs::write(folder.path().join(PINS), pins)
+            .map_err(|e| failed(format!("cannot write the pins: {e}")))?;
+    }
     let line: Vec<String> = [placer.program.clone()].into_iter().chain(words).collect();
     run(&line, folder.path(), Stage::Placement, settings, progress)?;
     let text = std::fs::read(folder.path().join("report.json"))
@@ -52,6 +59,15 @@ pub fn place(
     let timing = Timing::parse(&text)?;
     cache.keep("placed", &hash, &text)?;
     Ok(timing)
+}
+
+/// The file of the pins.
+const PINS: &str = "pins.cst";
+
+/// Where the ports of the harness are.
+fn constraints(pins: [&str; 4]) -> String {
+    let ports = ["clock", "reset_n", "shift_in", "data_out"];
+    ports.iter().zip(pins).map(|(port, pin)| format!("IO_LOC \"{port}\" {pin};\n")).collect()
 }
 
 /// On cores in chunks the placer does best when it weighs the critical nets heavily: 235 MHz become 249; more weight,
@@ -68,7 +84,8 @@ fn arguments(device: &Device, Run { seed, target_mhz }: Run) -> Vec<String> {
     match device.family {
         Family::Ecp5 => words.extend(ECP5.map(String::from)),
         Family::Ice40 => words.push("--pcf-allow-unconstrained".into()),
-        Family::Gowin | Family::Nexus => {}
+        Family::Gowin => words.extend(["--vopt".into(), format!("cst={PINS}")]),
+        Family::Nexus => {}
     }
     words
 }

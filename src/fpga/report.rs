@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use super::device::{Area, Device, Family};
+use super::estimate::{Estimate, estimate};
 use super::names::{TOP, unit};
 use super::netlist::{Census, area, census, takes};
 use super::synthesis::Synthesised;
@@ -50,6 +51,35 @@ pub struct Unit {
     pub carry_cells: u64,
 }
 
+/// An estimate beside what was measured; errors are fractions of what was measured.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Estimated {
+    pub luts: u64,
+    pub luts_error: f64,
+    pub flip_flops: u64,
+    pub flip_flops_error: f64,
+    pub clock_mhz: f64,
+    pub clock_error: f64,
+}
+
+impl Estimated {
+    fn new(estimate: &Estimate, area: Area, mhz: f64) -> Estimated {
+        let error = |made: f64, found: f64| match found > 0.0 {
+            true => ((made / found - 1.0) * 1e3).round() / 1e3,
+            false => 0.0,
+        };
+        let Estimate { luts, flip_flops, clock_mhz, .. } = *estimate;
+        Estimated {
+            luts,
+            luts_error: error(luts as f64, area.luts as f64),
+            flip_flops,
+            flip_flops_error: error(flip_flops as f64, area.flip_flops as f64),
+            clock_mhz,
+            clock_error: error(clock_mhz, mhz),
+        }
+    }
+}
+
 /// Everything about one core on one device. It holds no time and nothing of the machine.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Report {
@@ -63,6 +93,8 @@ pub struct Report {
     /// Placed, without the harness.
     pub area: Area,
     pub carry_cells: u64,
+    /// What the core was expected to be; nothing for a family without calibration.
+    pub estimate: Option<Estimated>,
     /// What the harness needs, and is not in the area.
     pub harness: Area,
     pub tidied: Tidied,
@@ -110,9 +142,9 @@ impl Report {
         let startup = units.iter().find(|unit| unit.name == "startup").map(|unit| unit.area);
         let rest = startup.map(|startup| area.minus(startup));
         let clock = clock(*target_mhz, &timings);
-        let density = |area: Area| {
-            rounded(subject.throughput.per_clock * 1000.0 / area.luts.max(1) as f64 * 10.0) / 10.0
-        };
+        let density =
+            |area: Area| (subject.throughput.per_clock * 1e6 / area.luts.max(1) as f64).round() / 1e3;
+        let estimate = estimate(&subject.module, device)?;
         Ok(Report {
             core: subject.name.clone(),
             command: subject.command.clone(),
@@ -122,6 +154,7 @@ impl Report {
             nextpnr: tools.placer.short(),
             area,
             carry_cells,
+            estimate: estimate.map(|estimate| Estimated::new(&estimate, area, clock.median)),
             harness: own,
             tidied: design.tidied,
             area_without_startup: rest,
@@ -159,10 +192,14 @@ fn clock(target: f64, timings: &[(u32, Timing)]) -> Clock {
     Clock { target, min: sorted.first().copied().unwrap_or(0.0), median, seeds }
 }
 
-/// Where a LUT and its register share a cell, a cell of the harness is a register.
+/// Where a LUT and its register share a cell, a cell of the harness is a register; where a register is only reached
+/// through a LUT, it has one.
 fn harness_area(family: Family, census: &Census) -> Area {
     let (area, _) = area(family, census);
-    if family == Family::Ice40 { Area { luts: area.flip_flops, ..area } } else { area }
+    match family {
+        Family::Ice40 | Family::Gowin => Area { luts: area.flip_flops, ..area },
+        Family::Ecp5 | Family::Nexus => area,
+    }
 }
 
 /// What nextpnr placed; where it does not tell, what was synthesised.

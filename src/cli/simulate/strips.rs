@@ -5,9 +5,9 @@ use std::mem::take;
 use serde_json::json;
 
 use super::result::{runs, simulator, tone, written};
-use super::run::{load, run_all, stimulus};
+use super::run::{Runs, load, run_all, stimulus};
 use super::strip_picture::{Drawn, draw};
-use super::{Settings, Source};
+use super::{Settings, Source, netlist};
 use crate::cli::output::{self, Format as Output};
 use crate::cores::cc_strip::{Parameters, Precision, build};
 use crate::cosim::strip_bench::{StripBench, reference_parameters};
@@ -40,6 +40,7 @@ struct Found<'a> {
     error: Option<ErrorLsb>,
     bound: f64,
     outcomes: &'a [Outcome],
+    netlist: Option<&'a netlist::Facts>,
 }
 
 /// Runs everything and prints the result; files are written only when all is right.
@@ -90,7 +91,7 @@ pub fn run(settings: &Settings) -> Result<()> {
     let sources = verilog::print(&core, &package::cc_strip::command(parameters))?;
     let mut vectors = stimulus(settings, take(&mut bench.input), take(&mut bench.expected));
     vectors.expected_clocks = bench.clocks(&vectors);
-    let outcomes = run_all(settings, &core, &device(&core, &sources, None), vectors)?;
+    let Runs { outcomes, netlist } = run_all(settings, &core, &device(&core, &sources, None), vectors)?;
 
     let drawn = bench.assemble(&quads, outcomes.first().map_or(&[], |outcome| &outcome.received))?;
     let oracle = QuadOracle::new(&quads, settings.level, boundary.corners())?;
@@ -120,6 +121,7 @@ pub fn run(settings: &Settings) -> Result<()> {
         error,
         bound: error_bound_lsb(&accuracy),
         outcomes: &outcomes,
+        netlist: netlist.as_ref(),
     };
     let verdict = verdict(&found);
     if let (Ok(()), Some(positions)) = (&verdict, positions) {
@@ -223,6 +225,7 @@ fn object(found: &Found) -> serde_json::Value {
         "back_pressure": found.settings.back_pressure.to_string(),
         "input_gaps": found.settings.input_gaps.to_string(),
         "seed": found.settings.seed,
+        "netlist": found.netlist.map(netlist::Facts::object),
         "simulators": found.outcomes.iter().map(|o| simulator(o, &locate)).collect::<Vec<_>>(),
     })
 }
@@ -239,6 +242,9 @@ fn text(found: &Found, right: bool) -> String {
     let numbers = reference_parameters(p).numbers;
     let core = format!("cc-strip of level {}, valences up to {}, {numbers}", p.levels, p.max_valence);
     facts.row(["core", &core]);
+    if let Some(netlist) = found.netlist {
+        facts.row(["netlist", &netlist.text()]);
+    }
     facts.row(["vertices", if p.limit { "points of the limit surface" } else { "refined control points" }]);
     let strips = format!(
         "{} of {:.1} quads on average, {:.2} words sent for each vertex",

@@ -5,7 +5,6 @@
 
 use std::path::Path;
 
-use clap::{FromArgMatches, Subcommand};
 use serde_json::json;
 use toml::{Table as Toml, Value};
 
@@ -77,15 +76,8 @@ fn entries(text: &str) -> Result<Vec<Entry>> {
         let core = core.ok_or_else(|| refuse("it has no 'core'".into()))?;
         let words = words(&all).map_err(|key| refuse(format!("'{key}' is no text, number or truth")))?;
         let name = name.unwrap_or_else(|| format!("{core} {}", words.join(" ").replace("--", "")));
-        let line = ["synth".to_string(), core].into_iter().chain(words);
-        let command = Core::augment_subcommands(clap::Command::new("synth").no_binary_name(false));
-        let parsed = command.try_get_matches_from(line).and_then(|found| Core::from_arg_matches(&found));
-        let core = parsed.map_err(|error| {
-            let said = error.to_string();
-            let first = said.lines().next().unwrap_or_default();
-            refuse(first.trim_start_matches("error: ").into())
-                .help("the keys are options of 'subdiv-rtl synth CORE'")
-        })?;
+        let core = super::core(std::iter::once(core).chain(words))
+            .map_err(|error| Error { what: refuse(error.what.clone()).what, ..error })?;
         entries.push(Entry { name, core });
     }
     Ok(entries)

@@ -11,6 +11,7 @@ mod show;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
+use clap::{FromArgMatches, Subcommand};
 use serde_json::json;
 
 use super::generate;
@@ -168,6 +169,26 @@ impl Core {
             Core::CcStrip(one) => cc_strip(one.core.parameters()?),
         }
     }
+}
+
+/// The core of a command line, as behind `subdiv-rtl synth`: `loop-fd --max-level 2`.
+///
+/// # Errors
+/// `Usage` for what is no such line, those of the core.
+pub fn subject(line: &str) -> Result<Subject> {
+    core(line.split_whitespace().map(String::from))?.subject()
+}
+
+/// Reads words as the command line does.
+fn core(words: impl Iterator<Item = String>) -> Result<Core> {
+    let line = ["synth".to_string()].into_iter().chain(words);
+    let command = Core::augment_subcommands(clap::Command::new("synth").no_binary_name(false));
+    let parsed = command.try_get_matches_from(line).and_then(|found| Core::from_arg_matches(&found));
+    parsed.map_err(|error| {
+        let said = error.to_string();
+        Error::usage(said.lines().next().unwrap_or_default().trim_start_matches("error: "))
+            .help("the keys are options of 'subdiv-rtl synth CORE'")
+    })
 }
 
 /// Two triangles leave with every pair of vertices.

@@ -34,6 +34,21 @@ fn facts(report: &Report) -> Vec<(String, String)> {
         ),
         ("area".into(), area_text(area, Some(report.carry_cells))),
     ];
+    if let Some(estimate) = &report.estimate {
+        let off = |error: f64| format!("{:+.1} %", 100.0 * error);
+        facts.push((
+            "estimate".into(),
+            format!(
+                "{} LUT ({}), {} FF ({}), {:.1} MHz ({})",
+                thousands(estimate.luts),
+                off(estimate.luts_error),
+                thousands(estimate.flip_flops),
+                off(estimate.flip_flops_error),
+                estimate.clock_mhz,
+                off(estimate.clock_error)
+            ),
+        ));
+    }
     if let Some(rest) = &report.area_without_startup {
         facts.push(("without start-up".into(), area_text(rest, None)));
     }
