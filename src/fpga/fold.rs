@@ -242,9 +242,9 @@ impl Fold<'_> {
             let (name, _) = self.nets.drivers.get(net)?;
             let lut = self.cells.get(name).filter(|cell| cell["type"] == "LUT4")?;
             let function = Function::of_lut(lut)?;
-            // An inverter costs its readers no pin, however many there are.
+            // An inverter costs its readers no pin, however many there are, and a gate one.
             let alone = self.nets.readers(*net).len() == 1;
-            (alone || function.nets.len() == 1).then(|| (*net, name.clone(), function))
+            (alone || function.nets.len() <= 2).then(|| (*net, name.clone(), function))
         };
         let luts: Vec<(u64, String, Function)> = own.nets.iter().filter_map(lut).collect();
         let groups = [luts.as_slice()].into_iter().chain(luts.chunks(1)).filter(|group| !group.is_empty());

@@ -31,8 +31,8 @@ fn higher((k, l): (u32, u32)) -> Option<((u32, u32), u32)> {
 /// to the next column. A clock later, `last_l` are the differences D0l of the column before, `next_l` those of the
 /// next one, and `fourth` is D13.
 ///
-/// In digits, `turn` comes a clock ([`LEAD`]) before the first one of a load or an advance, and these say what to do with
-/// each digit: `waiting_turns` when one is captured or loaded, `outer_turns` when one is loaded or advanced, `loading`
+/// In digits, `turn` comes a clock ([`LEAD`]) before the first one of a load or an advance, and as early say what to do
+/// with each digit `waiting_turns` when one is captured or loaded, `outer_turns` when one is loaded or advanced, `loading`
 /// which of the two.
 pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
     let m = Builder::new("outer_differences");
@@ -80,8 +80,9 @@ fn in_digits(m: &Builder, parameters: Parameters, size: u32) {
     m.separate();
     let turn = m.input("turn", Word::bit());
     let digits = Digits::new(m, size, count, &turn);
-    let [waiting_turns, outer_turns, loading] =
-        ["waiting_turns", "outer_turns", "loading"].map(|name| m.input_at(name, Word::bit(), LEAD));
+    // In registers here, which synthesis may copy for all that they reach.
+    let [waiting_turns, outer_turns, loading] = ["waiting_turns", "outer_turns", "loading"]
+        .map(|name| m.pipe(format!("{name}_here"), m.input(name, Word::bit())));
 
     let word = Word::unsigned(size);
     let shifted = |name: &str, turns: &Signal| {

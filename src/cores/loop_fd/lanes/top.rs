@@ -56,7 +56,7 @@ pub fn build(parameters: Parameters, lanes: u32) -> Result<Rc<Module>> {
         let nearer = |signals: &mut dyn Iterator<Item = &(String, Signal)>| -> Vec<(String, Signal)> {
             signals.map(|(name, signal)| (name.clone(), nearer(&m, axis, name, signal))).collect()
         };
-        let mut says: Vec<(String, Signal)> = vec![];
+        let (mut says, mut turns): (Vec<(String, Signal)>, Vec<(String, Signal)>) = (vec![], vec![]);
         if parameters.digit().is_some() {
             // Each of the three goes on through all digits; where it does stands in a register, and from there goes near.
             let through = |name: &str, pulses: &[&Signal]| {
@@ -64,18 +64,20 @@ pub fn build(parameters: Parameters, lanes: u32) -> Result<Rc<Module>> {
                 let flags: Vec<Signal> = flags.collect();
                 let through =
                     m.pipe(format!("{axis}_{name}_ahead"), m.any(&flags.iter().collect::<Vec<_>>()));
-                (name.to_string(), m.restart(&through, LEAD))
+                (name.to_string(), through)
             };
             let [load, advance] = [&steps[0].1, &steps[1].1];
             says.push(("turn".into(), m.wire("turn", load | advance)));
-            says.push(through("waiting_turns", &[capture, load]));
-            says.push(through("outer_turns", &[load, advance]));
-            says.push(through("loading", &[load]));
+            turns.push(through("waiting_turns", &[capture, load]));
+            turns.push(through("outer_turns", &[load, advance]));
+            turns.push(through("loading", &[load]));
         } else {
             says.push(("capture".into(), capture.clone()));
             says.extend(steps.iter().cloned());
         }
-        let inputs = nearer(&mut says.iter().chain(&differences));
+        let near = nearer(&mut says.iter().chain(&differences));
+        // What stands in a register of this coordinate already is near.
+        let inputs: Vec<(String, Signal)> = near.into_iter().chain(turns).collect();
         let inputs: Vec<(&str, &Signal)> =
             inputs.iter().map(|(name, signal)| (name.as_str(), signal)).collect();
         let placed = m.instance(&format!("outer_{axis}"), &outer, &inputs);
