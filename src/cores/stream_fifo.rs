@@ -13,7 +13,7 @@
 use std::rc::Rc;
 
 use crate::error::Result;
-use crate::hdl::{Builder, Module, Relation, Signal, Word};
+use crate::hdl::{Builder, Module, Signal, Word};
 
 /// Words that may have been issued when the count of credits does not show it yet: one is in the register before
 /// `issue`, one in the register of `has_room`.
@@ -49,24 +49,25 @@ pub fn build(log_depth: u32, lanes: &[(String, Word)]) -> Result<Rc<Module>> {
     m.on(&take, &valid, m.bit(true));
     m.on(&ready, &valid, m.bit(false));
 
-    // What is decided from the counts is decided a clock ahead and kept in one bit.
-    let counted = |name: &str, start: i128, up: &Signal, down: &Signal| {
-        let count = m.register_reset(name, Word::range(0, depth - 1), start);
-        m.on(&(up & !down), &count, m.wrap(&count + 1, count.word()));
-        m.on(&(!up & down), &count, m.wrap(&count - 1, count.word()));
-        count
+    // Counts stand less what they are compared with, so that their signs tell; they step where one comes or one goes,
+    // and which of the two a register says.
+    let counted = |name: &str, start: i128, comes: &Signal, goes: &Signal, comes_or_goes: [i128; 2]| {
+        let word = Word::range(start.min(0) - depth, start.max(0) + depth);
+        let count = m.register_reset(name, word, start);
+        let [one, other] = comes_or_goes.map(|step| m.constant(step, Word::range(-1, 1)));
+        let step = m.select(comes, &one, &other);
+        m.on(&m.wire(format!("{name}_steps"), comes ^ goes), &count, m.wrap(&count + &step, word));
+        m.wire(format!("{name}_positive"), !&m.slice(&count, word.width() - 1, 1))
     };
-    let stored = counted("stored", 0, &push, &take);
-    let at_least = |count: &Signal, least: i128| {
-        m.compare(Relation::LessOrEqual, m.constant(least, Word::range(0, least)), count)
-    };
-    let stays_filled = m.wire("stays_filled", &at_least(&stored, 2) | &(&at_least(&stored, 1) & !&take));
+    let one = counted("stored_less_1", -1, &push, &take, [1, -1]);
+    let two = counted("stored_less_2", -2, &push, &take, [1, -1]);
+    let stays_filled = m.wire("stays_filled", &two | &(&one & !&take));
     m.always(&filled, &stays_filled);
 
     // All words of the RAM but one: a full RAM would look like an empty one.
-    let credits = counted("credits", depth - 1, &take, &issue);
     let has_room = m.register_reset("has_room", Word::bit(), 0);
-    m.always(&has_room, at_least(&credits, UNSEEN + 1));
+    let room = counted("credits_left", depth - 1 - (UNSEEN + 1), &issue, &take, [-1, 1]);
+    m.always(&has_room, &room);
     m.output("has_room", &has_room);
 
     m.output("valid", &valid);
