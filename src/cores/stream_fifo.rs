@@ -21,7 +21,7 @@ const UNSEEN: i128 = 2;
 
 /// Clocks from the decision to issue to the credit's return, beside those of the pipeline, and the words that are
 /// never used: a FIFO this much deeper than its pipeline keeps it busy.
-pub const OVERHEAD: u32 = 10;
+pub const OVERHEAD: u32 = 11;
 
 /// Bits that one signal takes from the RAM.
 const MOST_TAKEN: u32 = 48;
@@ -66,7 +66,8 @@ pub fn build(log_depth: u32, lanes: &[(String, Word)]) -> Result<Rc<Module>> {
 
     // All words of the RAM but one: a full RAM would look like an empty one.
     let has_room = m.register_reset("has_room", Word::bit(), 0);
-    let room = counted("credits_left", depth - 1 - (UNSEEN + 1), &issue, &take, [-1, 1]);
+    let returned = m.restart(&m.pipe_reset("returned", &take, 0), 0);
+    let room = counted("credits_left", depth - 1 - (UNSEEN + 1), &issue, &returned, [-1, 1]);
     m.always(&has_room, &room);
     m.output("has_room", &has_room);
 

@@ -133,6 +133,8 @@ struct Machine {
     has_room: bool,
     /// Whether a row was decided on in the clock before, and what the FIFO's control knows of its words.
     issued: bool,
+    /// Whether a word left the FIFO in the clock before.
+    returned: bool,
     filled: bool,
     /// Clocks in which words reach the FIFO, in order.
     in_flight: std::collections::VecDeque<u64>,
@@ -184,7 +186,8 @@ impl Machine {
             self.in_flight.push_back(self.now + 1 + u64::from(self.depths.rounder));
         }
         self.has_room = self.credits > 2;
-        self.credits = self.credits + u32::from(take) - u32::from(self.issued);
+        self.credits = self.credits + u32::from(self.returned) - u32::from(self.issued);
+        self.returned = take;
         self.issued = issue;
 
         if self.lanes.is_none() {
