@@ -16,6 +16,8 @@
 //! - Guards reach the output too, and are not kept.
 //! - A registered core sends into a buffer whose room is known a clock late; what is sent comes there, and counts,
 //!   later still. All is settled when every place of the buffer is free again.
+//! - Where the ends of columns are walked around, that takes its clocks from the first slice of a vertex column on; so
+//!   long nothing comes in.
 //! - A strip of another level than the one before waits until no level has anything to send, and the finishing
 //!   stage is empty.
 
@@ -35,6 +37,8 @@ pub struct Core {
     pub finish: Option<u32>,
     /// The buffer of a registered core.
     pub buffer: Option<Buffer>,
+    /// Clocks of a walk around the ends of a column, by level; none where ends are not walked around.
+    pub walks: [u32; 7],
 }
 
 /// A buffer behind a pipeline of known depth.
@@ -162,6 +166,8 @@ struct Level {
     guarded: bool,
     slices: u32,
     double: bool,
+    /// Clocks of the walk that are left.
+    walk: u32,
 }
 
 impl Level {
@@ -271,6 +277,7 @@ impl Machine {
             // A registered core sees the end of a column in time only where that leaves, and not in front.
             let seen = self.core.buffer.is_none() || (first > 0 && first + 1 == self.wanted);
             next_ready = self.levels[first].columns == 0 || (ends && self.levels[first].columns == 1 && seen);
+            next_ready &= self.levels[first].walk == 0;
             serves.push(serve);
         }
         serves.reverse();
@@ -289,10 +296,16 @@ impl Machine {
         // The edge.
         self.was_idle = idle;
         let (mut reaches, mut arrivals) = (None, vec![]);
+        for level in &mut self.levels {
+            level.walk = level.walk.saturating_sub(1);
+        }
         for (unit, serve) in serves.iter().enumerate() {
             let Some(level) = *serve else { continue };
             let sender = self.levels[level];
             let (_, slice, active) = &mut self.units[unit];
+            if *slice == 0 && sender.columns == 2 {
+                self.levels[level].walk = self.core.walks[level];
+            }
             (*slice, *active) = (*slice + 1, level);
             let whole = *slice == sender.slices;
             if whole {
@@ -377,7 +390,7 @@ mod tests {
     use super::*;
 
     fn core(levels: u32, schedule: Schedule, folded: bool) -> Core {
-        Core { levels, schedule, folded, rows_per_clock: None, finish: None, buffer: None }
+        Core { levels, schedule, folded, rows_per_clock: None, finish: None, buffer: None, walks: [0; 7] }
     }
 
     /// The formulas of the schedules, from the level on where four words take fewer clocks than a column.

@@ -20,6 +20,9 @@ use super::{LEVEL_BITS, VALENCE_BITS};
 use crate::error::Result;
 use crate::hdl::{Builder, Module, Signal, Word};
 
+/// The register that counts for how many clocks more the window stands.
+pub const WALKS: &str = "clocks_of_walk";
+
 /// What goes with a column or a slice of it.
 struct Flags {
     /// The first and the last slice of the column.
@@ -37,8 +40,9 @@ struct Flags {
 /// column; what leaves (`out_..`) when it does, to the `next` group or to the `output`; and `idle`.
 ///
 /// In a `registered` core no decision goes through two levels within a clock: a level has room when nothing is to leave
-/// it; only the level that puts out has it one clock earlier, when the last of its column leaves.
-pub fn build(index: usize, group: &Group, registered: bool) -> Result<Rc<Module>> {
+/// it; only the level that puts out has it one clock earlier, when the last of its column leaves. Where ends are walked
+/// around, `walk` says when that begins, and the window stands for so many clocks of `walks`.
+pub fn build(index: usize, group: &Group, registered: bool, walks: Option<u32>) -> Result<Rc<Module>> {
     let m = Builder::new(&format!("strip_control_{index}"));
     m.purpose("Moves the windows of a group of levels and says which column leaves.");
     let bit = |name: &str| m.input(name, Word::bit());
@@ -91,6 +95,19 @@ pub fn build(index: usize, group: &Group, registered: bool) -> Result<Rc<Module>
             .map(|end| m.wire(["top_out", "bottom_out"][end], m.select(&face, &regular, &degrees[end]))),
     };
 
+    // The window stands as long as its ends are being looked at.
+    let stands = walks.map(|clocks| {
+        let walk = m.wire("walk", m.all(&[&turn.serve[0], &levels[0].vertex, &turn.first_slice]));
+        m.output("walk", &walk);
+        let rest = m.register_reset(WALKS, Word::range(0, clocks.into()), 0);
+        let stands = m.register_reset("stands", Word::bit(), 0);
+        m.on(&walk, &rest, m.constant(clocks.into(), rest.word()));
+        m.on(&stands, &rest, m.wrap(&rest - 1, rest.word()));
+        m.on(&walk, &stands, m.bit(true));
+        m.on(&m.is(&rest, 1), &stands, m.bit(false));
+        stands
+    });
+
     for (at, level) in levels.iter().enumerate() {
         let l = level.level;
         let (write, flags) = match at {
@@ -107,7 +124,11 @@ pub fn build(index: usize, group: &Group, registered: bool) -> Result<Rc<Module>
                         last_slice.map_or(goes.clone(), |last| &goes & &last)
                     }
                 };
-                let ready = m.wire("ready", !&level.leaves | &last_read);
+                let mut ready = !&level.leaves | &last_read;
+                if let Some(stands) = &stands {
+                    ready = &ready & !stands;
+                }
+                let ready = m.wire("ready", &ready);
                 m.output("ready", &ready);
                 (&valid & &ready, &incoming)
             }

@@ -52,18 +52,36 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
     m.on(&(&accept & &last), &first, m.bit(true));
     m.on(&(&accept & &complete), &first, m.bit(false));
 
-    let is =
-        |r: Role| m.wire(format!("is_{}", format!("{r:?}").to_lowercase()), &accept & m.is(&role, r as i128));
+    // Valences are known at once, the places of words in a walked core a clock later.
+    let late = u32::from(parameters.walked());
+    let is_vertex = m.wire("brings_valence", &accept & m.is(&role, Role::Vertex as i128));
+    for (end, vertex) in [("top", &is_vertex & &fresh), ("bottom", &is_vertex & !&fresh)] {
+        let kept = m.register(format!("{end}_valence"), Word::unsigned(VALENCE_BITS));
+        m.on(&vertex, &kept, &valence);
+        m.output(format!("{end}_valence"), &kept);
+    }
+    let begins = fresh.clone();
+    let [accepted, role, fresh] = match parameters.walked() {
+        true => [
+            m.pipe_reset("accepted", &accept, 0),
+            m.pipe("role", &role),
+            m.pipe_reset("fresh_word", &fresh, 1),
+        ],
+        false => [accept.clone(), role, fresh],
+    };
+    let is = |r: Role| {
+        m.wire(format!("is_{}", format!("{r:?}").to_lowercase()), &accepted & m.is(&role, r as i128))
+    };
     let [vertex, fan, left, right] = [Role::Vertex, Role::Fan, Role::OutsideLeft, Role::OutsideRight].map(is);
     // The end of the column that the words belong to: the first vertex is the top one.
-    let at_bottom = m.register_reset("at_bottom", Word::bit(), 0);
+    let at_bottom = m.register_at("at_bottom", Word::bit(), Some(0), late);
     m.on(&vertex, &at_bottom, !&fresh);
     let top_vertex = m.wire("top_vertex", &vertex & &fresh);
     let bottom_vertex = m.wire("bottom_vertex", &vertex & !&fresh);
 
     let entries = 1 + fan_names(parameters).len();
     let entry = Word::range(0, entries as i128);
-    let index = m.register_reset("index", entry, 0);
+    let index = m.register_at("index", entry, Some(0), late);
     m.on(&vertex, &index, m.constant(0, entry));
     m.on(&fan, &index, m.wrap(&index + 1, entry));
 
@@ -83,14 +101,9 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
             write(format!("{}_{place}", end.name()), &when);
         }
     }
-    for (end, vertex) in [("top", &top_vertex), ("bottom", &bottom_vertex)] {
-        let kept = m.register(format!("{end}_valence"), Word::unsigned(VALENCE_BITS));
-        m.on(vertex, &kept, &valence);
-        m.output(format!("{end}_valence"), &kept);
-    }
     m.output("ready", &ready);
     m.output("accept", &accept);
-    m.output("begins", &fresh);
+    m.output("begins", &begins);
     m.output("ends", &complete);
     m.output("first", &first);
     m.output("last_column", &last);

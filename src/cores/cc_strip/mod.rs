@@ -23,7 +23,7 @@
 mod buffer;
 pub mod buffered;
 mod columns;
-mod control;
+pub mod control;
 mod engine;
 mod fan;
 mod fan_registered;
@@ -38,6 +38,7 @@ mod output;
 mod parameters;
 pub mod proof;
 mod registered;
+mod ring_walk;
 mod row_filter;
 pub mod schedule;
 mod tangents;
@@ -47,6 +48,7 @@ mod vectors;
 pub mod view;
 pub mod view_ports;
 mod wait;
+mod walked;
 mod window;
 
 use std::rc::Rc;

@@ -13,8 +13,9 @@
 use std::collections::BTreeMap;
 
 use super::Parameters;
-use super::engine;
+use super::engine::{self, passed_places};
 use super::fan::{End, fan_names};
+use super::ring_walk::{Times, strobes};
 use super::schedule::Group;
 use super::window::{KEPT, STAGES};
 use crate::error::{Error, Kind, Result};
@@ -331,7 +332,8 @@ impl Statement<'_> {
         };
         for (name, id) in flat.inputs.clone() {
             // Nothing comes in.
-            if name.starts_with("in_shift") || name.starts_with("in_write") || name == "in_fans" {
+            let is_strobe = name.starts_with("in_") && flat.node(id).word == Word::bit();
+            if is_strobe {
                 simulator.set(id, Value::Integer(0));
             }
         }
@@ -345,7 +347,7 @@ impl Statement<'_> {
         }
 
         if delay > 0 {
-            ["face", "slice"].iter().for_each(|name| control(&mut simulator, name, 0));
+            ["face", "slice", "walk"].iter().for_each(|name| control(&mut simulator, name, 0));
             simulator.settle();
             simulator.edge(false)?;
             held(true).for_each(|(id, value)| simulator.set(id, value));
@@ -359,6 +361,9 @@ impl Statement<'_> {
             rules.get(name).map(|rule| rounded(parameters, level, guard, rule))
         };
         let mut compared = 0;
+        if group.walked {
+            compared += self.walk(&mut simulator, delay, &|name| expected(&middle, name))?;
+        }
         for (face, rules) in [(1, &between), (0, &middle)] {
             control(&mut simulator, "face", face);
             let prefix = if face == 1 && group.double { "face" } else { "out" };
@@ -387,6 +392,8 @@ impl Statement<'_> {
                 let rows = (0..lanes)
                     .map(|u| (format!("row_{u}"), format!("row_{}", 2 * cells * slice as usize + u)));
                 let ends = engine_ends(parameters, slice == 0, slice + 1 == slices);
+                let passed = passed_places(parameters, group);
+                let ends: Vec<String> = ends.into_iter().filter(|place| passed.contains(place)).collect();
                 for (port, name) in rows.chain(ends.into_iter().map(|place| (place.clone(), place))) {
                     let Some(expected) = expected(rules, &name) else { continue };
                     let id = simulator.flat.output(&format!("{prefix}_{port}"));
@@ -415,6 +422,53 @@ impl Statement<'_> {
             Some(failure) => Err(Error { kind: Kind::Mismatch, ..failure.clone() }),
             None => Ok((compared, simulator.domain.proved.len() as u64)),
         }
+    }
+}
+
+impl Statement<'_> {
+    /// The walk around both ends, whose fans leave by themselves; the rest is kept for the slices. Returns how many
+    /// vertices were compared.
+    fn walk(
+        &self,
+        simulator: &mut Simulator<LinearForms<VARIABLES>>,
+        delay: u32,
+        expected: &dyn Fn(&str) -> Option<Form<VARIABLES>>,
+    ) -> Result<u64> {
+        let Statement { parameters, level, valences, .. } = *self;
+        let mut compared = 0;
+        for clock in 0..delay + Times::of(parameters).clocks() {
+            if let Some(id) = simulator.flat.input("walk") {
+                simulator.set(id, Value::Integer(i128::from(clock == 0)));
+            }
+            simulator.settle();
+            simulator.edge(false)?;
+            simulator.settle();
+            let out = |name: &str| simulator.flat.output(name).map(|id| *simulator.get(id));
+            for strobe in strobes(parameters) {
+                if out(&format!("out_{strobe}")) != Some(Value::Integer(1)) {
+                    continue;
+                }
+                let (end, number) = strobe.split_once("_fan_").unwrap_or_default();
+                for kind in ["a", "x"] {
+                    let place = format!("{end}_{kind}_{number}");
+                    let Some(expected) = expected(&place) else { continue };
+                    match out(&format!("out_fan_{kind}")) {
+                        Some(Value::Form(form)) if form.canonical() == expected => compared += 1,
+                        _ => {
+                            let place = format!("level {level}, valences {valences:?}, walk, {place}");
+                            let what = "an entry of a fan is another function of the window";
+                            return Err(Error::new(Kind::Mismatch, what).at(place));
+                        }
+                    }
+                }
+            }
+        }
+        let entries: u32 = valences.iter().map(|d| 2 * d.saturating_sub(4)).sum();
+        if level + 1 < parameters.levels && compared != u64::from(entries) {
+            let what = format!("{compared} entries of fans leave, not {entries}");
+            return Err(Error::new(Kind::Mismatch, what).at(format!("level {level}, valences {valences:?}")));
+        }
+        Ok(compared)
     }
 }
 

@@ -28,11 +28,17 @@ pub fn build(parameters: Parameters, level: u32, cells: u32, sliced: bool) -> Re
     let eightfold = Word { range: word.range * 8, ..word };
     let zero = m.constant(0, Word { range: crate::fixed::Range::point(0), ..word });
     let face = m.input("face", Word::bit());
+    // Copies of what steers the rows, which come a clock before them.
+    let data = u32::from(parameters.walked());
+    let face_of = |row: &str| match parameters.walked() {
+        true => m.copy(format!("face_{row}"), &face),
+        false => face.clone(),
+    };
     let names = row_names(cells);
     let inside = usize::from(!sliced)..=cells as usize + 1;
     let mut r: Vec<Signal> = vec![];
     for (at, row) in names.iter().enumerate() {
-        let s = m.input(format!("s_{row}"), sum_word);
+        let s = m.input_at(format!("s_{row}"), sum_word, data);
         let fourfold = m.signal(4 * &s);
         if !inside.contains(&at) {
             // Only face columns see it.
@@ -40,9 +46,10 @@ pub fn build(parameters: Parameters, level: u32, cells: u32, sliced: bool) -> Re
             r.push(m.pipe(format!("r_{row}"), &scaled));
             continue;
         }
+        let face = face_of(row);
         let scaled = m.pipe(format!("w_{row}"), m.select(&face, &fourfold, &s));
-        let old = m.input(format!("old_{row}"), sum_word);
-        let column = m.input(format!("column_{row}"), word);
+        let old = m.input_at(format!("old_{row}"), sum_word, data);
+        let column = m.input_at(format!("column_{row}"), word, data);
         let rest = m.pipe(format!("u_{row}"), m.select(&face, &zero, &old + 4 * &column));
         // Four sums of two vertices, or the eight vertices of t.
         let sum = m.claim(&format!("r_of_{row}"), &rest + &scaled, eightfold, None);

@@ -12,6 +12,14 @@ const CLOCKS: std::ops::RangeInclusive<u32> = 4..=17;
 pub fn wait(m: &Builder, name: &str, signals: &[(String, Signal)], until: u32) -> Vec<Signal> {
     let from = signals.iter().filter_map(|(_, signal)| signal.time()).max().unwrap_or(0);
     let clocks = until.saturating_sub(from);
+    if clocks > *CLOCKS.end() {
+        // As many RAMs one behind the other as it takes, all of about one length.
+        let hops = clocks.div_ceil(*CLOCKS.end());
+        let late = wait(m, &format!("{name}_{hops}"), signals, from + clocks / hops);
+        let names = signals.iter().map(|(word, _)| format!("{word}_{hops}"));
+        let signals: Vec<(String, Signal)> = names.zip(late).collect();
+        return wait(m, name, &signals, until);
+    }
     if !CLOCKS.contains(&clocks) {
         return signals.iter().map(|(_, signal)| m.at_time(signal, until)).collect();
     }
