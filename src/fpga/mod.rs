@@ -13,9 +13,12 @@
 
 mod cache;
 mod device;
+mod fan_out;
+mod fold;
 mod harness;
 mod names;
 mod netlist;
+mod nets;
 mod place;
 mod report;
 mod run;

@@ -9,22 +9,31 @@
 //!   shifted      [0 |a0]─►[a1|a2]                                   2 cells: the unused half makes the constant
 //! ```
 //!
-//! Neither changes a bit of what the circuit computes; the netlist that is simulated is the one after this step.
+//! Besides, [choices](super::fold) go into the cells of the adders before them, and [registers](super::fan_out) with many
+//! readers are copied. None of this changes a bit of what the circuit computes; the netlist that is simulated is the one
+//! after this step.
 
 use std::collections::BTreeMap;
 
 use serde_json::{Map, Value, json};
 
 use super::device::Family;
+use super::fan_out::copy_registers;
+use super::fold::fold_choices;
 use super::netlist::Netlist;
+use super::nets::{bit, open};
 
 /// What was removed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Tidied {
     /// Carries that nobody reads, disconnected.
     pub unread_carries: u64,
+    /// LUTs of choices that went into the adders before them.
+    pub folded_choices: u64,
     /// Chains whose constant carry-in is made in a half that was unused.
     pub shifted_chains: u64,
+    /// Copies of registers with many readers.
+    pub copied_registers: u64,
 }
 
 /// Tidies every module for the tools of the family.
@@ -36,7 +45,9 @@ pub fn tidy(family: Family, netlist: &mut Netlist) -> Tidied {
     let Some(modules) = netlist.0["modules"].as_object_mut() else { return tidied };
     for (_, module) in modules.iter_mut() {
         tidied.unread_carries += drop_unread_carries(module);
+        tidied.folded_choices += fold_choices(module);
         tidied.shifted_chains += shift_chains(module);
+        tidied.copied_registers += copy_registers(module);
     }
     tidied
 }
@@ -62,18 +73,8 @@ fn readers(module: &Value) -> BTreeMap<u64, u64> {
     readers
 }
 
-/// The one bit at a port: a number, or a constant as text.
-fn bit<'a>(cell: &'a Value, port: &str) -> Option<&'a Value> {
-    cell["connections"][port].as_array()?.first()
-}
-
 fn is_read(cell: &Value, port: &str, readers: &BTreeMap<u64, u64>) -> bool {
     bit(cell, port).and_then(Value::as_u64).is_some_and(|bit| readers.contains_key(&bit))
-}
-
-/// A port that is there and leads nowhere; the placer fails where the port itself is missing.
-fn open() -> Value {
-    json!(["x"])
 }
 
 fn is_carry(cell: &Value) -> bool {
@@ -248,7 +249,7 @@ mod tests {
     #[test]
     fn an_unread_carry_is_disconnected_and_a_read_one_is_not() {
         let mut netlist = chain("0", &[20, 21, 22, 23]);
-        assert_eq!(tidy(Family::Ecp5, &mut netlist), Tidied { unread_carries: 1, shifted_chains: 0 });
+        assert_eq!(tidy(Family::Ecp5, &mut netlist), Tidied { unread_carries: 1, ..Tidied::default() });
         let cells = &netlist.0["modules"]["m"]["cells"];
         assert_eq!(
             (&cells["high"]["connections"]["COUT"], &cells["low"]["connections"]["COUT"]),
@@ -265,7 +266,10 @@ mod tests {
         for constant in ["0", "1"] {
             let before = chain(constant, &[20, 21, 22]);
             let mut after = before.clone();
-            assert_eq!(tidy(Family::Ecp5, &mut after), Tidied { unread_carries: 1, shifted_chains: 1 });
+            assert_eq!(
+                tidy(Family::Ecp5, &mut after),
+                Tidied { unread_carries: 1, shifted_chains: 1, ..Tidied::default() }
+            );
             assert_eq!(after.0["modules"]["m"]["cells"]["low"]["connections"]["CIN"], open());
             for numbers in 0..16 {
                 assert_eq!(sums(&before, numbers), sums(&after, numbers), "{constant} {numbers:b}");
