@@ -11,6 +11,7 @@
 use super::buffer;
 use super::engine::Outgoing;
 use super::output::{Offer, Output, Standing, Vertex};
+use super::wait::wait;
 use crate::cores::loop_fd::AXES;
 use crate::error::Result;
 use crate::fixed::Rounding;
@@ -48,7 +49,8 @@ impl Output<'_> {
         let here = |signal: &Signal| m.restart(signal, 0);
         let of_level = |name: &str, of: &dyn Fn(&Offer) -> Signal| {
             let flags = self.offers.iter().zip(1..).map(|(offer, level)| {
-                let flag = m.at_time(&of(offer), time(offer));
+                let flag = [(format!("{name}{level}"), of(offer))];
+                let flag = wait(m, &format!("{name}{level}_slot"), &flag, time(offer)).remove(0);
                 &self.is[level - 1] & &here(&m.wire(format!("{name}{level}"), &flag))
             });
             any(flags.collect())

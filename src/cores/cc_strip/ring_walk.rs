@@ -214,7 +214,9 @@ pub fn build(parameters: Parameters, level: u32) -> Result<Rc<Module>> {
         m.restart(&register, time + 1)
     };
     let total = kept("total", &last, &m.claim("total_of_ring", &sum, total_word, Some(&complete)));
-    let kept_centre = kept("centre_of_ring", &last, &m.at_time(&centre, now + 1));
+    // The centre stays as long as the walk is around it.
+    let caught = (now + 5).saturating_sub(times.steps).max(centre.time().unwrap_or(0));
+    let kept_centre = kept("centre_of_ring", &last, &m.at_time(&centre, caught));
 
     // kappa T from the lowest digit on; what is below the point is dropped as soon as it is.
     let bits = parameters.replacement_bits();
@@ -290,13 +292,14 @@ pub fn build(parameters: Parameters, level: u32) -> Result<Rc<Module>> {
             signal.time().unwrap_or(0),
         )
     };
-    let pair = m.pipe("neighbours", &previous(&neighbour) + &neighbour);
+    let neighbour_before = previous(&neighbour);
+    let pair = m.pipe("neighbours", &neighbour_before + &neighbour);
     let corner = m.pipe("corners", &centre + &diagonal);
     let face = m.pipe("face", &pair + &corner);
-    let edge = m.pipe("edge", m.pipe("edge_early", &centre + &neighbour));
+    let edge = m.pipe("edge", &centre + &neighbour_before);
     let last_face = previous(&face);
     let faces = m.pipe("faces", &last_face + &face);
-    let spoke = m.pipe("spoke", &faces + 4 * &m.pipe("edge_of_spoke", &previous(&edge)));
+    let spoke = m.pipe("spoke", &faces + 4 * &edge);
     let round = |name: &str, sum: &Signal| {
         let fine = m.rescale(sum, word.fraction + 6);
         let rounded = m.round(&fine, parameters.drop(), parameters.rounding);

@@ -14,6 +14,7 @@ use super::fan::{self, End};
 use super::ring_walk::{self, Walked, strobes};
 use super::row_filter;
 use super::wait::wait;
+use super::window::STAGES;
 use crate::error::Result;
 use crate::hdl::Signal;
 
@@ -41,24 +42,16 @@ impl Unit<'_> {
         let ends = Walked::of(&placed, outside);
         let done = ends.ends[0][0].time().unwrap_or(0);
 
-        // The rows in turn, and their sums.
+        // The rows in turn.
         let names = row_names(cells);
         let rows = [0, 1, 2].map(|column| -> Vec<Option<Signal>> {
             names.iter().zip(-1..).map(|(name, at)| self.row_in_turn(column, name, at)).collect()
         });
-        let sums = |which: &str, first: usize| -> Vec<(String, Signal)> {
-            let pairs = rows[first].iter().zip(&rows[first + 1]).zip(&names);
-            let sum = |((a, b), name): ((&Option<Signal>, &Option<Signal>), &String)| {
-                let name = format!("{which}_{name}");
-                Some((name.clone(), m.pipe(name, a.as_ref()? + b.as_ref()?)))
-            };
-            pairs.filter_map(sum).collect()
-        };
         let filter = row_filter::build(p, self.level(), cells, self.sliced())?;
         let mut inputs = vec![("face".to_string(), face.clone())];
-        inputs.extend(sums("old", 0).into_iter().chain(sums("s", 1)));
-        for (name, row) in names.iter().zip(&rows[1]) {
-            inputs.extend(row.clone().map(|row| (format!("column_{name}"), row)));
+        for (stage, rows) in STAGES.iter().zip(&rows) {
+            let named = names.iter().zip(rows);
+            inputs.extend(named.filter_map(|(name, row)| Some((format!("{stage}_{name}"), row.clone()?))));
         }
         let inputs: Vec<(&str, &Signal)> = inputs
             .iter()
@@ -68,13 +61,17 @@ impl Unit<'_> {
         let made = m.instance("row_filter", &filter, &inputs);
 
         // The rows wait for the ends, and with them what says whose they are.
-        let mut names: Vec<String> = (0..=2 * cells).map(|u| format!("row_{u}")).collect();
+        let names: Vec<String> = (0..=2 * cells).map(|u| format!("row_{u}")).collect();
+        let last = names.len() - 1;
+        let all = |names: &[String]| -> Vec<(String, Signal)> {
+            names.iter().map(|name| (name.clone(), made.out(name))).collect()
+        };
+        let inner = wait(m, "row_slot", &all(&names[1..last]), done + 1);
+        let mut outer = vec![names[0].clone(), names[last].clone()];
         if outside {
-            names.extend(["face_above".to_string(), "face_below".into()]);
+            outer.extend(["face_above".to_string(), "face_below".into()]);
         }
-        let waiting: Vec<(String, Signal)> =
-            names.iter().map(|name| (name.clone(), made.out(name))).collect();
-        let rows = wait(m, "row_slot", &waiting, done);
+        let outer = wait(m, "end_slot", &all(&outer), done);
         let first_slice = equals(m, self.slice, 0).unwrap_or_else(|| m.bit(true));
         let replaces = m.pipe("replaces_top", &first_slice & &!face);
         let flags = [("replaces_top".to_string(), replaces), ("is_face".into(), m.pipe("is_face", face))];
@@ -82,24 +79,17 @@ impl Unit<'_> {
         let copy = |name: &str, flag: &Signal| m.copy(name, flag);
 
         let [top, bottom] = &ends.ends;
-        let out = |u: usize| {
-            let row = &rows[u];
-            let name = format!("column_row_{u}");
-            match u {
-                0 => m.pipe(name, m.select(&copy("top_replaced", &flags[0]), &top[0], row)),
-                _ if u == 2 * cells as usize => {
-                    m.pipe(name, m.select(&copy("bottom_kept", &flags[1]), row.clone(), &bottom[0]))
-                }
-                _ => m.pipe(name, row),
-            }
-        };
-        let columns = Outgoing { rows: (0..=2 * cells as usize).map(out).collect(), outside: vec![] };
+        let first = m.select(&copy("top_replaced", &flags[0]), &top[0], &outer[0]);
+        let last = m.select(&copy("bottom_kept", &flags[1]), &outer[1], &bottom[0]);
+        let [first, last] = [("column_top", first), ("column_bottom", last)].map(|(name, row)| m.pipe(name, row));
+        let rows = [vec![first], inner, vec![last]].concat();
+        let columns = Outgoing { rows, outside: vec![] };
         if !outside {
             return Ok((columns, vec![]));
         }
         let mut beside = vec![];
         for (at, end) in End::BOTH.iter().enumerate() {
-            let point = &rows[2 * cells as usize + 1 + at];
+            let point = &outer[2 + at];
             for (side, name) in ["left", "right"].iter().enumerate() {
                 let name = format!("{}_beside_{name}", end.name());
                 let on_face = copy(&format!("{name}_of_face"), &flags[1]);
@@ -120,7 +110,7 @@ impl Unit<'_> {
         if slices == 1 {
             return rows[0].clone();
         }
-        let stage = super::window::STAGES[column];
+        let stage = STAGES[column];
         let digits: Vec<Signal> = self
             .slice
             .iter()
