@@ -9,6 +9,7 @@ use std::rc::Rc;
 
 use super::core::port;
 use super::strip_lanes::Lanes;
+use crate::cores::cc_strip::buffer::MIDDLE;
 use crate::cores::cc_strip::buffered::{LEAVES, ROUNDING};
 use crate::cores::cc_strip::control::WALKS;
 use crate::cores::cc_strip::finish::Kind;
@@ -167,7 +168,9 @@ fn buffer(core: &Module) -> Option<cc_strip_clocks::Buffer> {
         flag.and_then(|flag| flag.time).map_or(0, |time| time + ROUNDING)
     };
     let delays = [1, 2, 3, 4, 5, 6, 7].map(delay);
-    Some(cc_strip_clocks::Buffer { delays, words: placed.module.memories.first()?.depth })
+    let node = |name: &str| placed.module.nodes.iter().find(|node| node.name.as_deref() == Some(name));
+    let words = node("stored")?.word.range.max as u32;
+    Some(cc_strip_clocks::Buffer { delays, words, middle: node(MIDDLE).is_some() })
 }
 
 /// The words of a strip, column by column.

@@ -47,6 +47,8 @@ pub struct Buffer {
     /// Clocks from the control of level l to the buffer, for l = 1, 2, ...
     pub delays: [u32; 7],
     pub words: u32,
+    /// A word stands between the memory and the output.
+    pub middle: bool,
 }
 
 impl Buffer {
@@ -58,6 +60,7 @@ impl Buffer {
 struct Buffered {
     way: VecDeque<bool>,
     stored: u32,
+    middle: bool,
     standing: bool,
     free: u32,
     issued: bool,
@@ -72,6 +75,7 @@ impl Buffered {
         Buffered {
             way,
             stored: 0,
+            middle: false,
             standing: false,
             free: words,
             issued: false,
@@ -86,9 +90,12 @@ impl Buffered {
         self.way = vec![false; clocks as usize].into();
     }
 
-    fn clock(&mut self, issue: bool, ready: bool, words: u32) {
-        let take = self.stored > 0 && (!self.standing || ready);
-        self.standing = self.stored > 0 || (self.standing && !ready);
+    fn clock(&mut self, issue: bool, ready: bool, Buffer { words, middle, .. }: Buffer) {
+        let free = !self.standing || ready;
+        let take = self.stored > 0 && (free || (middle && !self.middle));
+        let arrives = if middle { self.middle && free } else { take };
+        self.standing = arrives || (self.standing && !ready);
+        self.middle = take || (self.middle && !free);
         self.way.push_front(issue);
         let push = self.way.pop_back().unwrap_or(false);
         self.stored = self.stored + u32::from(push) - u32::from(take);
@@ -350,7 +357,7 @@ impl Machine {
     fn finish(&mut self, reaches: Option<(Arrival, bool, bool)>, advance: bool, ready: bool) {
         let seen = |(arrival, _, double): (Arrival, bool, bool)| double || !(arrival.first || arrival.last);
         if let (Some(buffered), Some(buffer)) = (&mut self.buffered, self.core.buffer) {
-            buffered.clock(reaches.is_some_and(seen), ready, buffer.words);
+            buffered.clock(reaches.is_some_and(seen), ready, buffer);
             return;
         }
         if self.core.finish.is_none() {

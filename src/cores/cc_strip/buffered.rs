@@ -84,7 +84,7 @@ impl Output<'_> {
             let shapes: Vec<(&str, Word)> =
                 lanes.iter().map(|(lane, signal)| (*lane, signal.word())).collect();
             let kind = if lanes.len() < 3 { "flags" } else { ["row", "row_or_not"][lanes.len() - 3] };
-            let unit = buffer::row(&format!("{kind}_buffer"), log_depth, &shapes)?;
+            let unit = buffer::row(&format!("{kind}_buffer"), log_depth, self.parameters.walked(), &shapes)?;
             let mut inputs = vec![
                 ("push".to_string(), here(&m.unmerged(m.pipe_reset(format!("push_{name}"), &push, 0)))),
                 ("ready".into(), consumer.clone()),

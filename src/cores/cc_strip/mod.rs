@@ -20,7 +20,7 @@
 //! **Numbers**: exact, 6 fraction bits more on every level; or `guard` fraction bits on every level and
 //! one rounding for every vertex, taken from unrounded sums. No rule divides by three.
 
-mod buffer;
+pub mod buffer;
 pub mod buffered;
 mod columns;
 pub mod control;

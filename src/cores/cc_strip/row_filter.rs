@@ -70,7 +70,14 @@ fn eight(m: &Builder, parameters: Parameters, level: u32, row: &str, sum: Sum) -
 }
 
 /// r of a row from the sums of columns that the window keeps. Only face columns see what is not `inside`.
-fn of_sums(m: &Builder, parameters: Parameters, level: u32, face: &Signal, row: &str, inside: bool) -> Signal {
+fn of_sums(
+    m: &Builder,
+    parameters: Parameters,
+    level: u32,
+    face: &Signal,
+    row: &str,
+    inside: bool,
+) -> Signal {
     let (word, sum_word) = (parameters.word(level), parameters.sum_word(level));
     let s = m.input(format!("s_{row}"), sum_word);
     let fourfold = m.signal(4 * &s);
@@ -87,7 +94,14 @@ fn of_sums(m: &Builder, parameters: Parameters, level: u32, face: &Signal, row: 
 
 /// r of a row from three columns, which come a clock behind `face`; every row has a copy of that. Of 4 (c + n) or
 /// p + n + 6 c, the outer columns first.
-fn of_rows(m: &Builder, parameters: Parameters, level: u32, face: &Signal, row: &str, inside: bool) -> Signal {
+fn of_rows(
+    m: &Builder,
+    parameters: Parameters,
+    level: u32,
+    face: &Signal,
+    row: &str,
+    inside: bool,
+) -> Signal {
     let word = parameters.word(level);
     let [c, n] = ["middle", "next"].map(|column| m.input_at(format!("{column}_{row}"), word, 1));
     if !inside {

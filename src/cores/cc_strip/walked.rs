@@ -81,7 +81,8 @@ impl Unit<'_> {
         let [top, bottom] = &ends.ends;
         let first = m.select(&copy("top_replaced", &flags[0]), &top[0], &outer[0]);
         let last = m.select(&copy("bottom_kept", &flags[1]), &outer[1], &bottom[0]);
-        let [first, last] = [("column_top", first), ("column_bottom", last)].map(|(name, row)| m.pipe(name, row));
+        let [first, last] =
+            [("column_top", first), ("column_bottom", last)].map(|(name, row)| m.pipe(name, row));
         let rows = [vec![first], inner, vec![last]].concat();
         let columns = Outgoing { rows, outside: vec![] };
         if !outside {
