@@ -17,7 +17,7 @@
 //! - A registered core sends into a buffer whose room is known a clock late; what is sent comes there, and counts,
 //!   later still. All is settled when every place of the buffer is free again.
 //! - Where the ends of columns are walked around, that takes its clocks from the first slice of a vertex column on; so
-//!   long nothing comes in.
+//!   long nothing comes in. There a level asks for room for a whole column, a clock before its first slice.
 //! - A strip of another level than the one before waits until no level has anything to send, and the finishing
 //!   stage is empty.
 
@@ -90,7 +90,7 @@ impl Buffered {
         self.way = vec![false; clocks as usize].into();
     }
 
-    fn clock(&mut self, issue: bool, ready: bool, Buffer { words, middle, .. }: Buffer) {
+    fn clock(&mut self, issue: bool, ready: bool, Buffer { words, middle, .. }: Buffer, unasked: u32) {
         let free = !self.standing || ready;
         let take = self.stored > 0 && (free || (middle && !self.middle));
         let arrives = if middle { self.middle && free } else { take };
@@ -99,7 +99,7 @@ impl Buffered {
         self.way.push_front(issue);
         let push = self.way.pop_back().unwrap_or(false);
         self.stored = self.stored + u32::from(push) - u32::from(take);
-        self.room = self.free > Buffer::RESERVE;
+        self.room = self.free > Buffer::RESERVE + unasked;
         self.empty = self.free == words && !self.issued && !issue;
         self.free = self.free + u32::from(self.taken) - u32::from(self.issued);
         (self.issued, self.taken) = (issue, take);
@@ -175,6 +175,8 @@ struct Level {
     double: bool,
     /// Clocks of the walk that are left.
     walk: u32,
+    /// Where rooms are asked for: a column is on its way.
+    sends: bool,
 }
 
 impl Level {
@@ -259,6 +261,11 @@ impl Machine {
         self.pipeline[self.pipeline.len() - 1]
     }
 
+    /// Whether the ends of columns are walked around.
+    fn walks(&self) -> bool {
+        self.core.walks != [0; 7]
+    }
+
     /// One clock; returns whether the offered word was taken.
     fn clock(&mut self, offered: Option<Word>, ready: bool) -> bool {
         let advance = !self.output() || ready;
@@ -267,7 +274,8 @@ impl Machine {
             None => advance || (self.core.finish.is_some() && !self.finishing.0),
         };
         // Who sends, from the output backwards; and what that means for the one before.
-        let mut serves: Vec<Option<usize>> = vec![];
+        let walks = self.walks();
+        let (mut serves, mut starts): (Vec<Option<usize>>, Vec<usize>) = (vec![], vec![]);
         let mut next_ready = false;
         for (range, slice, active) in self.units.iter().rev() {
             let can = |level: &usize| {
@@ -278,11 +286,18 @@ impl Machine {
                 };
                 self.levels[*level].columns > 0 && target && (*slice == 0 || active == level)
             };
-            let serve = range.clone().rev().find(can);
+            let serve = match (walks, range.start) {
+                (false, _) => range.clone().rev().find(can),
+                (true, level) => {
+                    let sends = self.levels[level].sends;
+                    starts.extend(Some(level).filter(|level| !sends && can(level)));
+                    Some(level).filter(|_| sends)
+                }
+            };
             let first = range.start;
             let ends = serve == Some(first) && slice + 1 == self.levels[first].slices;
             // A registered core sees the end of a column in time only where that leaves, and not in front.
-            let seen = self.core.buffer.is_none() || (first > 0 && first + 1 == self.wanted);
+            let seen = self.core.buffer.is_none() || (!walks && first > 0 && first + 1 == self.wanted);
             next_ready = self.levels[first].columns == 0 || (ends && self.levels[first].columns == 1 && seen);
             next_ready &= self.levels[first].walk == 0;
             serves.push(serve);
@@ -315,6 +330,7 @@ impl Machine {
             }
             (*slice, *active) = (*slice + 1, level);
             let whole = *slice == sender.slices;
+            self.levels[level].sends &= !whole;
             if whole {
                 *slice = 0;
                 self.levels[level].columns -= 1;
@@ -329,6 +345,7 @@ impl Machine {
                 arrivals.push((level + 1, arrival));
             }
         }
+        starts.into_iter().for_each(|level| self.levels[level].sends = true);
         // A level may take a column in the clock in which it sends its last.
         for (level, arrival) in arrivals {
             self.levels[level].arrives(arrival);
@@ -355,9 +372,11 @@ impl Machine {
 
     /// What the output takes in: kept at once, or finished when the column behind it is there.
     fn finish(&mut self, reaches: Option<(Arrival, bool, bool)>, advance: bool, ready: bool) {
+        let (walks, slices) = (self.walks(), self.levels[self.levels.len() - 1].slices);
         let seen = |(arrival, _, double): (Arrival, bool, bool)| double || !(arrival.first || arrival.last);
         if let (Some(buffered), Some(buffer)) = (&mut self.buffered, self.core.buffer) {
-            buffered.clock(reaches.is_some_and(seen), ready, buffer);
+            let unasked = if walks { slices } else { 0 };
+            buffered.clock(reaches.is_some_and(seen), ready, buffer, unasked);
             return;
         }
         if self.core.finish.is_none() {

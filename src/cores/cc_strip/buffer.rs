@@ -16,12 +16,12 @@ use std::rc::Rc;
 use crate::error::Result;
 use crate::hdl::{Builder, Module, Relation, Signal, Word};
 
-/// Credits that are kept back.
+/// Credits that are kept back, beside those of the slices that leave without being asked about.
 const RESERVE: i128 = 4;
 
 /// Whether another column may leave. Inputs: `issue`, `take`. Outputs: `has_room`, and `empty`: nothing is on its way
 /// or in the RAM.
-pub fn credits(log_depth: u32) -> Result<Rc<Module>> {
+pub fn credits(log_depth: u32, unasked: u32) -> Result<Rc<Module>> {
     let m = Builder::new("buffer_credits");
     let depth = 1i128 << log_depth;
     m.purpose(
@@ -37,7 +37,8 @@ pub fn credits(log_depth: u32) -> Result<Rc<Module>> {
     let credits = m.register_reset("credits", Word::range(0, depth), depth);
     m.on(&(&issued & !&taken), &credits, m.wrap(&credits - 1, credits.word()));
     m.on(&(!&issued & &taken), &credits, m.wrap(&credits + 1, credits.word()));
-    let reserve = m.constant(RESERVE, Word::range(RESERVE, RESERVE));
+    let reserve = RESERVE + i128::from(unasked);
+    let reserve = m.constant(reserve, Word::range(reserve, reserve));
     let room = m.compare(Relation::LessOrEqual, &reserve, &credits);
     m.output("has_room", flag("has_room", &room, 1));
     let rests = m.all(&[&m.is(&credits, depth), &!&issued, &!&issue]);

@@ -76,7 +76,10 @@ impl Output<'_> {
             .collect();
         let index = |offer: &Offer| self.offers.iter().position(|o| std::ptr::eq(o.group, offer.group));
         let sliced = self.offers.iter().any(|offer| offer.group.most_slices() > 1);
-        let log_depth = log_depth(delay + ROUNDING);
+        // A column that has begun to leave is not stopped.
+        let most = self.offers.iter().map(|offer| offer.group.most_slices()).max().unwrap_or(0);
+        let unasked = if self.parameters.walked() { most } else { 0 };
+        let log_depth = log_depth(delay + ROUNDING + unasked);
 
         // A FIFO for the flags and one for each row, all with a `push` of their own.
         let push = m.delay_reset(&push, ROUNDING - 1, 0);
@@ -100,7 +103,7 @@ impl Output<'_> {
         let flags = fifo("flags", &flags)?;
         let credits = m.instance(
             "room",
-            &buffer::credits(log_depth)?,
+            &buffer::credits(log_depth, unasked)?,
             &[("issue", &issue), ("take", &flags.out("take"))],
         );
         let mut vertices = vec![];

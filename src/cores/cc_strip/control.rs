@@ -20,18 +20,18 @@ use super::{LEVEL_BITS, VALENCE_BITS};
 use crate::error::Result;
 use crate::hdl::{Builder, Module, Signal, Word};
 
-/// The register that counts for how many clocks more the window stands.
+/// The register of [`super::walked_control`] that counts for how many clocks more the window stands.
 pub const WALKS: &str = "clocks_of_walk";
 
 /// What goes with a column or a slice of it.
-struct Flags {
+pub(super) struct Flags {
     /// The first and the last slice of the column.
-    begins: Signal,
-    ends: Signal,
+    pub begins: Signal,
+    pub ends: Signal,
     /// The left and the right guard of the strip.
-    first: Signal,
-    last: Signal,
-    valences: [Signal; 2],
+    pub first: Signal,
+    pub last: Signal,
+    pub valences: [Signal; 2],
 }
 
 /// Inputs: what comes in (`valid`, `begins`, `ends`, `first`, `last`, `top_valence`, `bottom_valence`), the `level`
@@ -40,9 +40,8 @@ struct Flags {
 /// column; what leaves (`out_..`) when it does, to the `next` group or to the `output`; and `idle`.
 ///
 /// In a `registered` core no decision goes through two levels within a clock: a level has room when nothing is to leave
-/// it; only the level that puts out has it one clock earlier, when the last of its column leaves. Where ends are walked
-/// around, `walk` says when that begins, and the window stands for so many clocks of `walks`.
-pub fn build(index: usize, group: &Group, registered: bool, walks: Option<u32>) -> Result<Rc<Module>> {
+/// it; only the level that puts out has it one clock earlier, when the last of its column leaves.
+pub fn build(index: usize, group: &Group, registered: bool) -> Result<Rc<Module>> {
     let m = Builder::new(&format!("strip_control_{index}"));
     m.purpose("Moves the windows of a group of levels and says which column leaves.");
     let bit = |name: &str| m.input(name, Word::bit());
@@ -95,19 +94,6 @@ pub fn build(index: usize, group: &Group, registered: bool, walks: Option<u32>) 
             .map(|end| m.wire(["top_out", "bottom_out"][end], m.select(&face, &regular, &degrees[end]))),
     };
 
-    // The window stands as long as its ends are being looked at.
-    let stands = walks.map(|clocks| {
-        let walk = m.wire("walk", m.all(&[&turn.serve[0], &levels[0].vertex, &turn.first_slice]));
-        m.output("walk", &walk);
-        let rest = m.register_reset(WALKS, Word::range(0, clocks.into()), 0);
-        let stands = m.register_reset("stands", Word::bit(), 0);
-        m.on(&walk, &rest, m.constant(clocks.into(), rest.word()));
-        m.on(&stands, &rest, m.wrap(&rest - 1, rest.word()));
-        m.on(&walk, &stands, m.bit(true));
-        m.on(&m.is(&rest, 1), &stands, m.bit(false));
-        stands
-    });
-
     for (at, level) in levels.iter().enumerate() {
         let l = level.level;
         let (write, flags) = match at {
@@ -124,11 +110,7 @@ pub fn build(index: usize, group: &Group, registered: bool, walks: Option<u32>) 
                         last_slice.map_or(goes.clone(), |last| &goes & &last)
                     }
                 };
-                let mut ready = !&level.leaves | &last_read;
-                if let Some(stands) = &stands {
-                    ready = &ready & !stands;
-                }
-                let ready = m.wire("ready", &ready);
+                let ready = m.wire("ready", !&level.leaves | &last_read);
                 m.output("ready", &ready);
                 (&valid & &ready, &incoming)
             }
@@ -233,23 +215,23 @@ impl Turn {
 }
 
 /// The state of a level.
-struct Level {
+pub(super) struct Level {
     level: u32,
     /// A vertex column is to leave, before a face column.
-    vertex: Signal,
+    pub vertex: Signal,
     /// Something is to leave.
-    leaves: Signal,
+    pub leaves: Signal,
     /// The columns of the strip that are here: none or one (0), two (1), three (2).
-    age: Signal,
+    pub age: Signal,
     /// The right guard is here.
-    guarded: Signal,
+    pub guarded: Signal,
     /// Valences of the next and of the middle column.
-    next: [Signal; 2],
-    middle: [Signal; 2],
+    pub next: [Signal; 2],
+    pub middle: [Signal; 2],
 }
 
 impl Level {
-    fn new(m: &Builder, level: u32, double: bool) -> Level {
+    pub fn new(m: &Builder, level: u32, double: bool) -> Level {
         let name = |what: &str| format!("{what}_{level}");
         let vertex = m.register_reset(name("vertex"), Word::bit(), 0);
         // Where both columns leave at once, there is nothing between vertex column and rest.
@@ -270,7 +252,7 @@ impl Level {
     }
 
     /// `done`: a column has left; `whole`: one has arrived.
-    fn moves(&self, m: &Builder, double: bool, done: &Signal, whole: &Signal, flags: &Flags) {
+    pub fn moves(&self, m: &Builder, double: bool, done: &Signal, whole: &Signal, flags: &Flags) {
         let l = self.level;
         let none = m.is(&self.age, 0);
         let first = m.wire(format!("first_{l}"), whole & &flags.first);

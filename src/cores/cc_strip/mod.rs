@@ -49,6 +49,7 @@ pub mod view;
 pub mod view_ports;
 mod wait;
 mod walked;
+mod walked_control;
 mod window;
 
 use std::rc::Rc;

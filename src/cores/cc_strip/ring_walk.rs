@@ -137,6 +137,11 @@ pub fn build(parameters: Parameters, level: u32) -> Result<Rc<Module>> {
 
     // Where the walk is.
     let walk = Steps::new(&m, "walk", &start, times.steps);
+    // Valences stand from before the first step on.
+    let valences = valences.map(|valence| {
+        let name = format!("{}_kept", valence.name().unwrap_or_default());
+        m.restart(&m.pipe(name, &valence), 0)
+    });
     let valence = m.wire("valence", m.select(&walk.bottom, &valences[1], &valences[0]));
     let behind = m.wrap(&walk.number + 1, valence.word());
     let at_right = m.wire("at_right", m.compare(Relation::Equal, &behind, &valence));
@@ -253,7 +258,14 @@ pub fn build(parameters: Parameters, level: u32) -> Result<Rc<Module>> {
     let begins = m.pipe("product_begins", &begins);
     let half = m.constant(half, Word { range: Range::point(half), ..word });
     let before = m.rescale(&m.round(&product, 4, Rounding::Floor), word.fraction);
-    m.always(&product, &m.select(&begins, &half, &before) + &times_digit);
+    // Without a half to begin with, the choice is behind the adder, where synthesis finds room for it.
+    m.always(
+        &product,
+        match parameters.rounding {
+            Rounding::Floor => m.select(&begins, &times_digit, &before + &times_digit),
+            _ => m.signal(&m.select(&begins, &half, &before) + &times_digit),
+        },
+    );
     let later = now + times.digits;
     let product = m.restart(&product, later);
     let ready = m.at_time(&begins, later);

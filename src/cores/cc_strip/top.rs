@@ -14,7 +14,7 @@ use super::ring_walk::{Times, strobes};
 use super::schedule::Group;
 use super::wait::wait;
 use super::window::Producer;
-use super::{Parameters, USER_BITS, control, loader};
+use super::{Parameters, USER_BITS, control, loader, walked_control};
 use crate::cores::loop_fd::AXES;
 use crate::error::Result;
 use crate::hdl::{Builder, Module, Placed, Signal, Word};
@@ -83,12 +83,11 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
         let never = m.bit(false);
         let next_ready = ready.get(index + 1).unwrap_or(&never);
         inputs.extend([("level", &level), ("next_ready", next_ready), ("output_ready", &output_ready)]);
-        let walks = group.walked.then(|| Times::of(parameters).clocks());
-        let control = m.instance(
-            &format!("control_{index}"),
-            &control::build(index, group, parameters.registered, walks)?,
-            &inputs,
-        );
+        let unit = match group.walked {
+            true => walked_control::build(index, group, Times::of(parameters).clocks())?,
+            false => control::build(index, group, parameters.registered)?,
+        };
+        let control = m.instance(&format!("control_{index}"), &unit, &inputs);
         m.drive(&ready[index], m.wire(format!("group_{index}_ready"), control.out("ready")));
 
         let unit = engine::build(parameters, index, &groups)?;
