@@ -17,7 +17,8 @@
 //! - A registered core sends into a buffer whose room is known a clock late; what is sent comes there, and counts,
 //!   later still. All is settled when every place of the buffer is free again.
 //! - Where the ends of columns are walked around, that takes its clocks from the first slice of a vertex column on; so
-//!   long nothing comes in. There a level asks for room for a whole column, a clock before its first slice.
+//!   long nothing comes in. There a word counts a clock after it was taken, and none is taken while the last of a column
+//!   has not counted; and a level asks for room for a whole column, a clock before its first slice.
 //! - A strip of another level than the one before waits until no level has anything to send, and the finishing
 //!   stage is empty.
 
@@ -203,6 +204,8 @@ struct Machine {
     buffered: Option<Buffered>,
     /// Of a registered core: all was settled a clock ago, and nothing came in.
     was_idle: bool,
+    /// A word that does not count yet.
+    taken: Option<Word>,
 }
 
 impl Machine {
@@ -241,6 +244,7 @@ impl Machine {
             pipeline,
             buffered,
             was_idle: true,
+            taken: None,
         }
     }
 
@@ -312,7 +316,8 @@ impl Machine {
         let word = offered.filter(|word| {
             let dropped = self.dropping || (word.first && (word.level == 0 || word.level > self.core.levels));
             let settled = !word.first || word.level as usize == self.wanted || settles;
-            dropped || (next_ready && settled)
+            let closes = self.taken.is_some_and(|taken| taken.complete);
+            dropped || (next_ready && settled && !closes)
         });
 
         // The edge.
@@ -351,6 +356,10 @@ impl Machine {
             self.levels[level].arrives(arrival);
         }
         self.finish(reaches, advance, ready);
+        if let Some(taken) = self.taken.take() {
+            self.was_idle = false;
+            self.counts(taken);
+        }
         if let Some(word) = word {
             let dropped = self.dropping || (word.first && (word.level == 0 || word.level > self.core.levels));
             self.dropping = dropped && !word.last;
@@ -362,12 +371,19 @@ impl Machine {
                         buffered.set_delay(buffer.delays[self.wanted - 1]);
                     }
                 }
-                if word.complete {
-                    self.levels[0].arrives(Arrival { first: word.guard, last: word.last });
+                match walks {
+                    true => self.taken = Some(word),
+                    false => self.counts(word),
                 }
             }
         }
         word.is_some()
+    }
+
+    fn counts(&mut self, word: Word) {
+        if word.complete {
+            self.levels[0].arrives(Arrival { first: word.guard, last: word.last });
+        }
     }
 
     /// What the output takes in: kept at once, or finished when the column behind it is there.

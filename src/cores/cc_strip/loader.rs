@@ -15,7 +15,7 @@ use crate::error::Result;
 use crate::hdl::{Builder, Module, Relation, Signal, Word};
 
 /// Inputs: the stream (`valid`, `user`, `last`), `taken` (level 0 has room) and `idle` (nothing is to leave any
-/// level). Outputs: `ready`, `accept` (a word goes into the window), one `write_..` for each place, `begins`,
+/// level). Outputs: `ready`, `comes` (a word comes), `accept` (it goes into the window, in a walked core a clock later), one `write_..` for each place, `begins`,
 /// `ends`, `first`, `last_column`, the valences, and the `level` of the strip.
 pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
     let m = Builder::new("column_loader");
@@ -36,7 +36,9 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
     let same = m.wire("same_level", m.compare(Relation::Equal, &wanted, &level));
     let settled = m.wire("settled", !&starts | &same | &idle);
     let dropped = m.wire("dropped", &drops | (&starts & !&possible));
-    let ready = m.wire("ready", &dropped | (&taken & &settled));
+    // A column that is whole counts a clock later.
+    let closes = m.forward("closes", Word::bit());
+    let ready = m.wire("ready", &dropped | m.all(&[&taken, &settled, &!&closes]));
     let moves = m.wire("moves", &valid & &ready);
     let accept = m.wire("accept", &moves & !&dropped);
     m.on(&(&accept & &starts), &level, &wanted);
@@ -52,36 +54,32 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
     m.on(&(&accept & &last), &first, m.bit(true));
     m.on(&(&accept & &complete), &first, m.bit(false));
 
-    // Valences are known at once, the places of words in a walked core a clock later.
-    let late = u32::from(parameters.walked());
-    let is_vertex = m.wire("brings_valence", &accept & m.is(&role, Role::Vertex as i128));
-    for (end, vertex) in [("top", &is_vertex & &fresh), ("bottom", &is_vertex & !&fresh)] {
-        let kept = m.register(format!("{end}_valence"), Word::unsigned(VALENCE_BITS));
-        m.on(&vertex, &kept, &valence);
-        m.output(format!("{end}_valence"), &kept);
-    }
-    let begins = fresh.clone();
-    let [accepted, role, fresh] = match parameters.walked() {
-        true => [
-            m.pipe_reset("accepted", &accept, 0),
-            m.pipe("role", &role),
-            m.pipe_reset("fresh_word", &fresh, 1),
-        ],
-        false => [accept.clone(), role, fresh],
+    // In a walked core what follows from a word stands in registers, a clock later.
+    let walked = parameters.walked();
+    let late = |name: &str, signal: &Signal, reset: i128| match walked {
+        true => m.restart(&m.pipe_reset(name, signal, reset), 0),
+        false => signal.clone(),
     };
-    let is = |r: Role| {
-        m.wire(format!("is_{}", format!("{r:?}").to_lowercase()), &accepted & m.is(&role, r as i128))
-    };
+    let ends = late("ends", &complete, 0);
+    let last_column = late("last_column", &last, 0);
+    let [role, valence] = [("role", role), ("valence", valence)].map(|(name, word)| late(name, &word, 0));
+    let fresh = late("begins", &fresh, 1);
+    let first = late("of_left_guard", &first, 1);
+    let comes = accept;
+    let accept = late("accepted", &comes, 0);
+    m.drive(&closes, m.wire("column_closes", if walked { &accept & &ends } else { m.bit(false) }));
+    let is =
+        |r: Role| m.wire(format!("is_{}", format!("{r:?}").to_lowercase()), &accept & m.is(&role, r as i128));
     let [vertex, fan, left, right] = [Role::Vertex, Role::Fan, Role::OutsideLeft, Role::OutsideRight].map(is);
     // The end of the column that the words belong to: the first vertex is the top one.
-    let at_bottom = m.register_at("at_bottom", Word::bit(), Some(0), late);
+    let at_bottom = m.register_reset("at_bottom", Word::bit(), 0);
     m.on(&vertex, &at_bottom, !&fresh);
     let top_vertex = m.wire("top_vertex", &vertex & &fresh);
     let bottom_vertex = m.wire("bottom_vertex", &vertex & !&fresh);
 
     let entries = 1 + fan_names(parameters).len();
     let entry = Word::range(0, entries as i128);
-    let index = m.register_at("index", entry, Some(0), late);
+    let index = m.register_reset("index", entry, 0);
     m.on(&vertex, &index, m.constant(0, entry));
     m.on(&fan, &index, m.wrap(&index + 1, entry));
 
@@ -101,12 +99,18 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
             write(format!("{}_{place}", end.name()), &when);
         }
     }
+    for (end, vertex) in [("top", &top_vertex), ("bottom", &bottom_vertex)] {
+        let kept = m.register(format!("{end}_valence"), Word::unsigned(VALENCE_BITS));
+        m.on(vertex, &kept, &valence);
+        m.output(format!("{end}_valence"), &kept);
+    }
     m.output("ready", &ready);
+    m.output("comes", &comes);
     m.output("accept", &accept);
-    m.output("begins", &begins);
-    m.output("ends", &complete);
+    m.output("begins", &fresh);
+    m.output("ends", &ends);
     m.output("first", &first);
-    m.output("last_column", &last);
+    m.output("last_column", &last_column);
     m.output("level", &level);
     m.finish()
 }

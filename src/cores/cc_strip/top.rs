@@ -68,6 +68,16 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
     m.output("s_axis_tready", loader.out("ready"));
     let level = loader.out("level");
 
+    // A word waits until it is known what it is.
+    let words: Vec<Signal> = input
+        .lanes
+        .iter()
+        .zip(AXES)
+        .map(|(word, axis)| match parameters.walked() {
+            true => m.restart(&m.pipe(format!("word_{axis}"), word), 0),
+            false => word.clone(),
+        })
+        .collect();
     let mut stages: Vec<Stage> = vec![];
     for (index, group) in groups.iter().enumerate() {
         let before = index.checked_sub(1).map(|at| (&groups[at], &stages[at]));
@@ -93,7 +103,7 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
         let unit = engine::build(parameters, index, &groups)?;
         let mut steering_late: Option<Vec<Signal>> = None;
         let mut place = |axis: usize| -> Placed {
-            let mut ports = incoming(&m, parameters, before, &control, &loader, &input.lanes[axis], axis);
+            let mut ports = incoming(&m, parameters, before, &control, &loader, &words[axis], axis);
             ports.extend(steering(group, &control));
             if group.walked {
                 let times = ports.iter().filter_map(|(_, signal)| signal.time());
@@ -139,7 +149,8 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
     if parameters.registered {
         // Known a clock late: a word that came in then may be the last of a column.
         let was_idle = m.register_reset("was_idle", Word::bit(), 1);
-        m.always(&was_idle, &all_idle & &!loader.out("accept"));
+        let comes = loader.out("comes") | loader.out("accept");
+        m.always(&was_idle, &all_idle & &!comes);
         m.drive(&idle, &was_idle);
     } else {
         m.drive(&idle, &all_idle);
