@@ -50,6 +50,7 @@ pub mod view_ports;
 mod wait;
 mod walked;
 mod walked_control;
+mod walked_proof;
 mod window;
 
 use std::rc::Rc;

@@ -15,7 +15,6 @@ use std::collections::BTreeMap;
 use super::Parameters;
 use super::engine::{self, passed_places};
 use super::fan::{End, fan_names};
-use super::ring_walk::{Times, strobes};
 use super::schedule::Group;
 use super::window::{KEPT, STAGES};
 use crate::error::{Error, Kind, Result};
@@ -24,7 +23,7 @@ use crate::hdl::linear::Value;
 use crate::hdl::{Flat, LinearForms, NodeId, Simulator, Word};
 
 /// Variables of the largest window: three columns of 65 rows and what lies outside.
-const VARIABLES: usize = 256;
+pub(super) const VARIABLES: usize = 256;
 
 /// What was proved.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
@@ -279,11 +278,11 @@ fn replacement(centre: &Mask, neighbours: &[&Mask], diagonals: &[&Mask], bits: u
 }
 
 /// One level of a group with given valences at its ends.
-struct Statement<'a> {
-    parameters: Parameters,
-    group: &'a Group,
-    level: u32,
-    valences: [u32; 2],
+pub(super) struct Statement<'a> {
+    pub(super) parameters: Parameters,
+    pub(super) group: &'a Group,
+    pub(super) level: u32,
+    pub(super) valences: [u32; 2],
 }
 
 impl Statement<'_> {
@@ -422,53 +421,6 @@ impl Statement<'_> {
             Some(failure) => Err(Error { kind: Kind::Mismatch, ..failure.clone() }),
             None => Ok((compared, simulator.domain.proved.len() as u64)),
         }
-    }
-}
-
-impl Statement<'_> {
-    /// The walk around both ends, whose fans leave by themselves; the rest is kept for the slices. Returns how many
-    /// vertices were compared.
-    fn walk(
-        &self,
-        simulator: &mut Simulator<LinearForms<VARIABLES>>,
-        delay: u32,
-        expected: &dyn Fn(&str) -> Option<Form<VARIABLES>>,
-    ) -> Result<u64> {
-        let Statement { parameters, level, valences, .. } = *self;
-        let mut compared = 0;
-        for clock in 0..delay + Times::of(parameters).clocks() {
-            if let Some(id) = simulator.flat.input("walk") {
-                simulator.set(id, Value::Integer(i128::from(clock == 0)));
-            }
-            simulator.settle();
-            simulator.edge(false)?;
-            simulator.settle();
-            let out = |name: &str| simulator.flat.output(name).map(|id| *simulator.get(id));
-            for strobe in strobes(parameters) {
-                if out(&format!("out_{strobe}")) != Some(Value::Integer(1)) {
-                    continue;
-                }
-                let (end, number) = strobe.split_once("_fan_").unwrap_or_default();
-                for kind in ["a", "x"] {
-                    let place = format!("{end}_{kind}_{number}");
-                    let Some(expected) = expected(&place) else { continue };
-                    match out(&format!("out_fan_{kind}")) {
-                        Some(Value::Form(form)) if form.canonical() == expected => compared += 1,
-                        _ => {
-                            let place = format!("level {level}, valences {valences:?}, walk, {place}");
-                            let what = "an entry of a fan is another function of the window";
-                            return Err(Error::new(Kind::Mismatch, what).at(place));
-                        }
-                    }
-                }
-            }
-        }
-        let entries: u32 = valences.iter().map(|d| 2 * d.saturating_sub(4)).sum();
-        if level + 1 < parameters.levels && compared != u64::from(entries) {
-            let what = format!("{compared} entries of fans leave, not {entries}");
-            return Err(Error::new(Kind::Mismatch, what).at(format!("level {level}, valences {valences:?}")));
-        }
-        Ok(compared)
     }
 }
 
