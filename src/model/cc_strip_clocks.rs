@@ -17,8 +17,8 @@
 //! - A registered core sends into a buffer whose room is known a clock late; what is sent comes there, and counts,
 //!   later still. All is settled when every place of the buffer is free again.
 //! - Where the ends of columns are walked around, that takes its clocks from the first slice of a vertex column on; so
-//!   long nothing comes in. There a word counts a clock after it was taken, and none is taken while the last of a column
-//!   has not counted; and a level asks for room for a whole column, a clock before its first slice.
+//!   long nothing comes in. There a word counts a clock after it was taken, a column a clock after it was whole, and
+//!   nothing is taken while that has not counted; and a level asks for room for a whole column, a clock before its first slice.
 //! - A strip of another level than the one before waits until no level has anything to send, and the finishing
 //!   stage is empty.
 
@@ -176,8 +176,9 @@ struct Level {
     double: bool,
     /// Clocks of the walk that are left.
     walk: u32,
-    /// Where rooms are asked for: a column is on its way.
+    /// Where rooms are asked for: a column is on its way; one is here and does not count yet.
     sends: bool,
+    comes: Option<Arrival>,
 }
 
 impl Level {
@@ -303,14 +304,15 @@ impl Machine {
             // A registered core sees the end of a column in time only where that leaves, and not in front.
             let seen = self.core.buffer.is_none() || (!walks && first > 0 && first + 1 == self.wanted);
             next_ready = self.levels[first].columns == 0 || (ends && self.levels[first].columns == 1 && seen);
-            next_ready &= self.levels[first].walk == 0;
+            next_ready &= self.levels[first].walk == 0 && self.levels[first].comes.is_none();
             serves.push(serve);
         }
         serves.reverse();
         // The finishing stage looks at the level all the way through.
         let stage = self.core.finish.is_some() && (self.finishing.0 || self.pipeline.contains(&true));
         let empty = self.buffered.as_ref().is_none_or(|buffered| buffered.empty);
-        let idle = self.levels.iter().all(|level| level.columns == 0) && !stage && empty;
+        let idle =
+            self.levels.iter().all(|level| level.columns == 0 && level.comes.is_none()) && !stage && empty;
         let settles = if self.core.buffer.is_some() { self.was_idle } else { idle };
 
         let word = offered.filter(|word| {
@@ -352,9 +354,10 @@ impl Machine {
         }
         starts.into_iter().for_each(|level| self.levels[level].sends = true);
         // A level may take a column in the clock in which it sends its last.
-        for (level, arrival) in arrivals {
-            self.levels[level].arrives(arrival);
+        for level in &mut self.levels {
+            level.comes.take().into_iter().for_each(|arrival| level.arrives(arrival));
         }
+        arrivals.into_iter().for_each(|(level, arrival)| self.comes(level, arrival));
         self.finish(reaches, advance, ready);
         if let Some(taken) = self.taken.take() {
             self.was_idle = false;
@@ -382,7 +385,14 @@ impl Machine {
 
     fn counts(&mut self, word: Word) {
         if word.complete {
-            self.levels[0].arrives(Arrival { first: word.guard, last: word.last });
+            self.comes(0, Arrival { first: word.guard, last: word.last });
+        }
+    }
+
+    fn comes(&mut self, level: usize, arrival: Arrival) {
+        match self.walks() {
+            true => self.levels[level].comes = Some(arrival),
+            false => self.levels[level].arrives(arrival),
         }
     }
 

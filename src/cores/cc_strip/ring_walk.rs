@@ -41,12 +41,12 @@ impl Times {
 
     /// Clocks for which the window stands from the first one on.
     pub fn clocks(self) -> u32 {
-        2 * self.steps
+        2 * self.steps + 1
     }
 
     /// The clock in which both ends are done.
     fn done(self) -> u32 {
-        2 * self.steps + self.digits + 14
+        2 * self.steps + self.digits + 15
     }
 
     /// The clock from which on left and right may be kept: those of the walk before have been fetched then.
@@ -57,7 +57,7 @@ impl Times {
     /// The clock of the strobes of the fan: the next level has walked around the column before, and not yet around
     /// this one.
     fn fans(self) -> u32 {
-        self.steps + self.digits + 15
+        self.steps + self.digits + 16
     }
 }
 
@@ -74,7 +74,10 @@ impl Steps {
         let register = |what: &str, word: Word| m.register_at(format!("{name}_{what}"), word, Some(0), time);
         let number = register("step", Word::range(0, i128::from(steps) - 1));
         let [bottom, active] = ["bottom", "active"].map(|what| register(what, Word::bit()));
-        let last = m.wire(format!("{name}_ends"), m.is(&number, i128::from(steps) - 1));
+        // Known in the step before.
+        let last = register("ends", Word::bit());
+        m.on(start, &last, m.bit(false));
+        m.always(&last, m.is(&number, i128::from(steps) - 2));
         let zero = m.constant(0, number.word());
         m.on(start, &number, &zero);
         m.on(&last, &number, &zero);
@@ -137,28 +140,31 @@ pub fn build(parameters: Parameters, level: u32) -> Result<Rc<Module>> {
 
     // Where the walk is.
     let walk = Steps::new(&m, "walk", &start, times.steps);
-    // Valences stand from before the first step on.
-    let valences = valences.map(|valence| {
-        let name = format!("{}_kept", valence.name().unwrap_or_default());
-        m.restart(&m.pipe(name, &valence), 0)
+    // Valences stand from before the first step on; the number of the last step of a ring is one less.
+    let word_of_step = Word::unsigned(VALENCE_BITS);
+    let ends_at = valences.map(|valence| {
+        let name = format!("{}_less_1", valence.name().unwrap_or_default());
+        m.restart(&m.pipe(name, m.wrap(&valence - 1, word_of_step)), 0)
     });
-    let valence = m.wire("valence", m.select(&walk.bottom, &valences[1], &valences[0]));
-    let behind = m.wrap(&walk.number + 1, valence.word());
-    let at_right = m.wire("at_right", m.compare(Relation::Equal, &behind, &valence));
-    let counts = &walk.active & m.compare(Relation::LessOrEqual, &behind, &valence);
-    let first = walk.at(&m, 0);
-    let last = walk.at(&m, times.steps - 1);
+    let ends_at = m.pipe("ends_at", m.select(&walk.bottom, &ends_at[1], &ends_at[0]));
+    let number = m.pipe("number", m.wrap(&walk.number, word_of_step));
+    let active = m.pipe("active", &walk.active);
+    let bottom = m.pipe("at_bottom", &walk.bottom);
+    let at_right = m.wire("at_right", m.compare(Relation::Equal, &number, &ends_at));
+    let counts = m.pipe("counts", &active & m.compare(Relation::LessOrEqual, &number, &ends_at));
+    let step = |step: u32| &active & m.is(&number, step.into());
+    let first = m.pipe("first_step", step(0));
+    let last = m.pipe("last_step", step(times.steps - 1));
     // The places of a ring in their order, the last one right, whatever the valence.
     let count = parameters.max_valence;
     let index = Word::unsigned((count - 1).ilog2() + 1);
-    let again = m.is(&valence, 3) & m.is(&walk.number, 3);
-    let place = m.select(&at_right, m.constant(i128::from(count) - 1, index), m.wrap(&walk.number, index));
+    let again = m.is(&ends_at, 2) & m.is(&number, 3);
+    let place = m.select(&at_right, m.constant(i128::from(count) - 1, index), m.wrap(&number, index));
     let place = m.select(&again, m.constant(0, index), &place);
     let place = m.pipe("place", m.wrap(&place, index));
-    let bottom = m.pipe("at_bottom", &walk.bottom);
 
-    // The window is looked at a clock after its own.
-    let seen = |signal: &Signal| m.restart(signal, 2);
+    // The window is looked at two clocks after its own.
+    let seen = |signal: &Signal| m.restart(signal, 3);
     let around = |end: &[Signal]| -> [Vec<Signal>; 2] {
         let [left, _, right, inner_left, inner, inner_right, before, after] = &end[..8] else {
             return [vec![], vec![]];
@@ -185,17 +191,17 @@ pub fn build(parameters: Parameters, level: u32) -> Result<Rc<Module>> {
             })
             .collect();
         let high: Vec<Option<Signal>> = (2..index.width())
-            .map(|at| Some(m.copy(format!("{name}_bit_{at}"), m.at_time(&m.slice(&place, at, 1), 2))))
+            .map(|at| Some(m.copy(format!("{name}_bit_{at}"), m.at_time(&m.slice(&place, at, 1), 3))))
             .collect();
         let by_end = chosen.chunks(chosen.len() / 2).map(|parts| binary(&m, &high, parts));
         let by_end: Vec<Signal> = by_end.collect();
-        let at_bottom = m.copy(format!("{name}_bottom"), m.at_time(&bottom, 2));
+        let at_bottom = m.copy(format!("{name}_bottom"), m.at_time(&bottom, 3));
         m.pipe(name, m.select(&at_bottom, &by_end[1], &by_end[0]))
     };
     let neighbour = choose("neighbour", 0);
     let diagonal = choose("diagonal", 1);
-    let centre = m.select(&m.at_time(&bottom, 2), seen(&ends[1][1]), seen(&ends[0][1]));
-    let centre = m.at_time(&m.pipe("centre", &centre), 4);
+    let centre = m.select(&m.at_time(&bottom, 3), seen(&ends[1][1]), seen(&ends[0][1]));
+    let centre = m.at_time(&m.pipe("centre", &centre), 5);
 
     // T, modulo its width while it is being added up.
     let sixfold = m.pipe("sixfold", 4 * &neighbour + 2 * &neighbour);
@@ -226,14 +232,14 @@ pub fn build(parameters: Parameters, level: u32) -> Result<Rc<Module>> {
     // kappa T from the lowest digit on; what is below the point is dropped as soon as it is.
     let bits = parameters.replacement_bits();
     let begins = m.at_time(&last, now + 2);
-    let of_kappa = m.at_time(&valence, now + 2);
+    let of_kappa = m.at_time(&ends_at, now + 1);
     let table = Word::unsigned(4 * times.digits);
     let mut entry = m.constant(kappa64(4, bits), table);
     for d in (3..=parameters.max_valence).filter(|d| *d != 4) {
-        entry = m.select(&m.is(&of_kappa, d.into()), m.constant(kappa64(d, bits), table), &entry);
+        entry = m.select(&m.is(&of_kappa, i128::from(d) - 1), m.constant(kappa64(d, bits), table), &entry);
     }
     let kappa = m.register_at("kappa", table, None, now + 2);
-    m.on(&begins, &kappa, m.wrap(&entry, table));
+    m.on(&begins, &kappa, m.pipe("entry", m.wrap(&entry, table)));
     let rest = m.rescale(&m.round(&kappa, 4, Rounding::Floor), 0);
     m.always(&kappa, m.wrap(&rest, table));
     let kappa = m.restart(&kappa, now + 3);
@@ -331,7 +337,7 @@ pub fn build(parameters: Parameters, level: u32) -> Result<Rc<Module>> {
 
     // Where the stream is, a step further than the place that it brings.
     let sides = Steps::new(&m, "sides", &m.delay(&start, times.sides()), times.steps);
-    let at_right: Signal = m.delay(&m.pipe("right_comes", &walk.active & &at_right), times.sides() - 1);
+    let at_right: Signal = m.at_time(&m.pipe("right_comes", &active & &at_right), times.sides());
     let at_left = sides.at(&m, 3);
     for (end, here) in End::BOTH.iter().zip([!&sides.bottom, sides.bottom.clone()]) {
         for (side, when) in [("left", &at_left), ("right", &at_right)] {

@@ -15,7 +15,7 @@ use super::engine::slice_bits;
 use super::schedule::Group;
 use super::{LEVEL_BITS, VALENCE_BITS};
 use crate::error::Result;
-use crate::hdl::{Builder, Module, Word};
+use crate::hdl::{Builder, Module, Signal, Word};
 
 /// The control of a group of one level, whose window stands for `walks` clocks from the first slice of a vertex column
 /// on. Further output: `walk`, in the clock of that slice.
@@ -69,12 +69,23 @@ pub fn build(index: usize, group: &Group, walks: u32) -> Result<Rc<Module>> {
     m.on(&walk, &stands, m.bit(true));
     m.on(&m.is(&rest, 1), &stands, m.bit(false));
 
-    let whole = m.wire(format!("arrived_{l}"), &valid & &incoming.ends);
-    level.moves(&m, false, &last, &whole, &incoming);
+    // A column that is whole counts a clock later.
+    let whole = m.pipe_reset(format!("arrived_{l}"), &valid & &incoming.ends, 0);
+    let whole = m.restart(&whole, 0);
+    let late = |name: &str, signal: &Signal| m.restart(&m.pipe(format!("{name}_arrived"), signal), 0);
+    let arrived = Flags {
+        begins: incoming.begins.clone(),
+        ends: whole.clone(),
+        first: late("first", &incoming.first),
+        last: late("last", &incoming.last),
+        valences: [0, 1].map(|end| late(["top", "bottom"][end], &incoming.valences[end])),
+    };
+    level.moves(&m, false, &last, &whole, &arrived);
+    let rests = m.wire("rests", !(&level.leaves | &whole));
 
     let face = m.wire("is_face", !&level.vertex);
     let regular = m.constant(4, valence);
-    m.output("ready", m.wire("ready", !(&level.leaves | &stands)));
+    m.output("ready", m.wire("ready", &rests & !&stands));
     m.output(format!("shift_{l}"), m.wire(format!("shift_{l}"), &valid & &incoming.begins));
     m.output(format!("write_{l}"), m.wire(format!("write_{l}"), &valid));
     m.output("walk", &walk);
@@ -93,6 +104,6 @@ pub fn build(index: usize, group: &Group, walks: u32) -> Result<Rc<Module>> {
     m.output("out_first", m.wire("leaves_first", m.is(&level.age, 1)));
     m.output("out_last", m.wire("leaves_last", !&level.vertex & &level.guarded));
     m.output("out_ending", m.wire("leaves_ending", &level.vertex & &level.guarded));
-    m.output("idle", m.wire("idle", !&level.leaves));
+    m.output("idle", &rests);
     m.finish()
 }
