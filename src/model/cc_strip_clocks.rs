@@ -17,7 +17,8 @@
 //! - A registered core sends into a buffer whose room is known a clock late; what is sent comes there, and counts,
 //!   later still. All is settled when every place of the buffer is free again.
 //! - Where the ends of columns are walked around, that takes its clocks from the first slice of a vertex column on; so
-//!   long nothing comes in. There a word counts a clock after it was taken, a column a clock after it was whole, and
+//!   long nothing comes in. There a word is looked at for two clocks before it is taken
+//!   from where it waits, and none comes before it has gone; it counts a clock after that, a column a clock after it was whole, and
 //!   nothing is taken while that has not counted; and a level asks for room for a whole column, a clock before its first slice.
 //! - A strip of another level than the one before waits until no level has anything to send, and the finishing
 //!   stage is empty.
@@ -205,7 +206,8 @@ struct Machine {
     buffered: Option<Buffered>,
     /// Of a registered core: all was settled a clock ago, and nothing came in.
     was_idle: bool,
-    /// A word that does not count yet.
+    /// A word that waits, for so many clocks; one that does not count yet.
+    waits: Option<(Word, u32)>,
     taken: Option<Word>,
 }
 
@@ -245,6 +247,7 @@ impl Machine {
             pipeline,
             buffered,
             was_idle: true,
+            waits: None,
             taken: None,
         }
     }
@@ -315,7 +318,10 @@ impl Machine {
             self.levels.iter().all(|level| level.columns == 0 && level.comes.is_none()) && !stage && empty;
         let settles = if self.core.buffer.is_some() { self.was_idle } else { idle };
 
-        let word = offered.filter(|word| {
+        let enters = walks && self.waits.is_none();
+        let looked_at =
+            if walks { self.waits.filter(|(_, clocks)| *clocks > 0).map(|(word, _)| word) } else { offered };
+        let word = looked_at.filter(|word| {
             let dropped = self.dropping || (word.first && (word.level == 0 || word.level > self.core.levels));
             let settled = !word.first || word.level as usize == self.wanted || settles;
             let closes = self.taken.is_some_and(|taken| taken.complete);
@@ -379,6 +385,14 @@ impl Machine {
                     false => self.counts(word),
                 }
             }
+        }
+        if walks {
+            self.waits = match self.waits {
+                None => offered.map(|word| (word, 0)),
+                Some(_) if word.is_some() => None,
+                Some((waiting, clocks)) => Some((waiting, clocks + 1)),
+            };
+            return enters && offered.is_some();
         }
         word.is_some()
     }

@@ -34,13 +34,19 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
     let none = m.is(&wanted, 0);
     let possible = m.wire("possible", !&none & m.compare(Relation::LessOrEqual, &wanted, &most));
     let same = m.wire("same_level", m.compare(Relation::Equal, &wanted, &level));
+    // In a walked core a word stands for a clock before it is judged.
+    let judged = |name: &str, signal: Signal| match parameters.walked() {
+        true => m.restart(&m.pipe(name, &signal), 0),
+        false => signal,
+    };
+    let (possible, same) = (judged("is_possible", possible), judged("is_same_level", same));
     let settled = m.wire("settled", !&starts | &same | &idle);
     let dropped = m.wire("dropped", &drops | (&starts & !&possible));
     // A column that is whole counts a clock later.
     let closes = m.forward("closes", Word::bit());
     let ready = m.wire("ready", &dropped | m.all(&[&taken, &settled, &!&closes]));
     let moves = m.wire("moves", &valid & &ready);
-    let accept = m.wire("accept", &moves & !&dropped);
+    let accept = m.wire("accept", m.all(&[&valid, &!&dropped, &taken, &settled, &!&closes]));
     m.on(&(&accept & &starts), &level, &wanted);
     m.on(&(&moves & &last), &starts, m.bit(true));
     m.on(&moves, &starts, m.bit(false));

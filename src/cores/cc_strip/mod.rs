@@ -52,6 +52,7 @@ mod walked;
 mod walked_control;
 mod walked_proof;
 mod window;
+mod word_stage;
 
 use std::rc::Rc;
 

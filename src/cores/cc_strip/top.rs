@@ -14,7 +14,7 @@ use super::ring_walk::{Times, strobes};
 use super::schedule::Group;
 use super::wait::wait;
 use super::window::Producer;
-use super::{Parameters, USER_BITS, control, loader, walked_control};
+use super::{Parameters, USER_BITS, control, loader, walked_control, word_stage};
 use crate::cores::loop_fd::AXES;
 use crate::error::Result;
 use crate::hdl::{Builder, Module, Placed, Signal, Word};
@@ -44,7 +44,11 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
     m.parameter("schedule", parameters.schedule);
 
     let lane = parameters.coordinates.width().next_multiple_of(8);
-    let input = m.stream_input("s_axis", lane, &AXES.map(|axis| (axis, parameters.input_word())), USER_BITS);
+    let port = m.stream_input("s_axis", lane, &AXES.map(|axis| (axis, parameters.input_word())), USER_BITS);
+    let input = if parameters.walked() { Some(word_stage::build(&m, &port)) } else { None };
+    let goes = input.as_ref().map(|stage| stage.goes.clone());
+    let free = input.as_ref().map(|stage| stage.free.clone());
+    let input = input.map_or(port, |stage| stage.word);
     let consumer = m.stream_ready("m_axis");
     let groups = parameters.groups();
 
@@ -65,7 +69,10 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
             ("idle", &idle),
         ],
     );
-    m.output("s_axis_tready", loader.out("ready"));
+    if let Some(goes) = goes {
+        m.drive(&goes, m.wire("word_goes", &input.valid & loader.out("ready")));
+    }
+    m.output("s_axis_tready", free.unwrap_or(loader.out("ready")));
     let level = loader.out("level");
 
     // A word waits until it is known what it is.
@@ -74,7 +81,7 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
         .iter()
         .zip(AXES)
         .map(|(word, axis)| match parameters.walked() {
-            true => m.restart(&m.pipe(format!("word_{axis}"), word), 0),
+            true => m.restart(&m.pipe(format!("late_word_{axis}"), word), 0),
             false => word.clone(),
         })
         .collect();
