@@ -209,6 +209,8 @@ struct Machine {
     /// A word that waits, for so many clocks; one that does not count yet.
     waits: Option<(Word, u32)>,
     taken: Option<Word>,
+    /// Of the clock before.
+    had_room: bool,
 }
 
 impl Machine {
@@ -249,6 +251,7 @@ impl Machine {
             was_idle: true,
             waits: None,
             taken: None,
+            had_room: false,
         }
     }
 
@@ -324,12 +327,14 @@ impl Machine {
         let word = looked_at.filter(|word| {
             let dropped = self.dropping || (word.first && (word.level == 0 || word.level > self.core.levels));
             let settled = !word.first || word.level as usize == self.wanted || settles;
-            let closes = self.taken.is_some_and(|taken| taken.complete);
-            dropped || (next_ready && settled && !closes)
+            // Words come so seldom that the room is that of the clock before.
+            let room = if walks { self.had_room } else { next_ready };
+            dropped || (room && settled)
         });
 
         // The edge.
         self.was_idle = idle;
+        self.had_room = next_ready;
         let (mut reaches, mut arrivals) = (None, vec![]);
         for level in &mut self.levels {
             level.walk = level.walk.saturating_sub(1);

@@ -42,11 +42,11 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
     let (possible, same) = (judged("is_possible", possible), judged("is_same_level", same));
     let settled = m.wire("settled", !&starts | &same | &idle);
     let dropped = m.wire("dropped", &drops | (&starts & !&possible));
-    // A column that is whole counts a clock later.
-    let closes = m.forward("closes", Word::bit());
-    let ready = m.wire("ready", &dropped | m.all(&[&taken, &settled, &!&closes]));
+    // Words are so far apart there that the room of the clock before is known to be that of now.
+    let taken = judged("has_room", taken);
+    let ready = m.wire("ready", &dropped | (&taken & &settled));
     let moves = m.wire("moves", &valid & &ready);
-    let accept = m.wire("accept", m.all(&[&valid, &!&dropped, &taken, &settled, &!&closes]));
+    let accept = m.wire("accept", m.all(&[&valid, &!&dropped, &taken, &settled]));
     m.on(&(&accept & &starts), &level, &wanted);
     m.on(&(&moves & &last), &starts, m.bit(true));
     m.on(&moves, &starts, m.bit(false));
@@ -73,7 +73,6 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
     let first = late("of_left_guard", &first, 1);
     let comes = accept;
     let accept = late("accepted", &comes, 0);
-    m.drive(&closes, m.wire("column_closes", if walked { &accept & &ends } else { m.bit(false) }));
     let is =
         |r: Role| m.wire(format!("is_{}", format!("{r:?}").to_lowercase()), &accept & m.is(&role, r as i128));
     let [vertex, fan, left, right] = [Role::Vertex, Role::Fan, Role::OutsideLeft, Role::OutsideRight].map(is);

@@ -69,9 +69,10 @@ struct Steps {
 }
 
 impl Steps {
+    /// What no walk has set yet stands for nothing: no reset.
     fn new(m: &Builder, name: &str, start: &Signal, steps: u32) -> Steps {
         let time = start.time().unwrap_or(0);
-        let register = |what: &str, word: Word| m.register_at(format!("{name}_{what}"), word, Some(0), time);
+        let register = |what: &str, word: Word| m.register_at(format!("{name}_{what}"), word, None, time);
         let number = register("step", Word::range(0, i128::from(steps) - 1));
         let [bottom, active] = ["bottom", "active"].map(|what| register(what, Word::bit()));
         // Known in the step before.
@@ -141,7 +142,7 @@ pub fn build(parameters: Parameters, level: u32) -> Result<Rc<Module>> {
     // Where the walk is.
     let walk = Steps::new(&m, "walk", &start, times.steps);
     // Valences stand from before the first step on; the number of the last step of a ring is one less.
-    let word_of_step = Word::unsigned(VALENCE_BITS);
+    let word_of_step = Word::unsigned((times.steps - 1).ilog2() + 1);
     let ends_at = valences.map(|valence| {
         let name = format!("{}_less_1", valence.name().unwrap_or_default());
         m.restart(&m.pipe(name, m.wrap(&valence - 1, word_of_step)), 0)
@@ -151,10 +152,15 @@ pub fn build(parameters: Parameters, level: u32) -> Result<Rc<Module>> {
     let active = m.pipe("active", &walk.active);
     let bottom = m.pipe("at_bottom", &walk.bottom);
     let at_right = m.wire("at_right", m.compare(Relation::Equal, &number, &ends_at));
-    let counts = m.pipe("counts", &active & m.compare(Relation::LessOrEqual, &number, &ends_at));
+    let passed = m.register_at("passed", Word::bit(), None, 1);
+    let counts = m.pipe("counts", &active & !&passed);
     let step = |step: u32| &active & m.is(&number, step.into());
     let first = m.pipe("first_step", step(0));
-    let last = m.pipe("last_step", step(times.steps - 1));
+    let last = m.wire("at_last_step", step(times.steps - 1));
+    m.on(&last, &passed, m.bit(false));
+    m.on(&!&active, &passed, m.bit(false));
+    m.on(&at_right, &passed, m.bit(true));
+    let last = m.pipe("last_step", &last);
     // The places of a ring in their order, the last one right, whatever the valence.
     let count = parameters.max_valence;
     let index = Word::unsigned((count - 1).ilog2() + 1);
@@ -232,11 +238,12 @@ pub fn build(parameters: Parameters, level: u32) -> Result<Rc<Module>> {
     // kappa T from the lowest digit on; what is below the point is dropped as soon as it is.
     let bits = parameters.replacement_bits();
     let begins = m.at_time(&last, now + 2);
-    let of_kappa = m.at_time(&ends_at, now + 1);
+    let of_kappa = m.at_time(&ends_at, now);
     let table = Word::unsigned(4 * times.digits);
     let mut entry = m.constant(kappa64(4, bits), table);
     for d in (3..=parameters.max_valence).filter(|d| *d != 4) {
-        entry = m.select(&m.is(&of_kappa, i128::from(d) - 1), m.constant(kappa64(d, bits), table), &entry);
+        let here = m.pipe(format!("is_of_valence_{d}"), m.is(&of_kappa, i128::from(d) - 1));
+        entry = m.select(&here, m.constant(kappa64(d, bits), table), &entry);
     }
     let kappa = m.register_at("kappa", table, None, now + 2);
     m.on(&begins, &kappa, m.pipe("entry", m.wrap(&entry, table)));
