@@ -23,9 +23,9 @@
 //! - A strip of another level than the one before waits until no level has anything to send, and the finishing
 //!   stage is empty.
 
-use std::collections::VecDeque;
-
 use super::cc_strip::schedule::Schedule;
+pub use super::cc_strip_buffer::Buffer;
+use super::cc_strip_buffer::Buffered;
 
 /// What the core is made of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -41,71 +41,6 @@ pub struct Core {
     pub buffer: Option<Buffer>,
     /// Clocks of a walk around the ends of a column, by level; none where ends are not walked around.
     pub walks: [u32; 7],
-}
-
-/// A buffer behind a pipeline of known depth.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Buffer {
-    /// Clocks from the control of level l to the buffer, for l = 1, 2, ...
-    pub delays: [u32; 7],
-    pub words: u32,
-    /// A word stands between the memory and the output.
-    pub middle: bool,
-}
-
-impl Buffer {
-    /// Free places at which no more is sent.
-    const RESERVE: u32 = 3;
-}
-
-/// What is in a buffer and on its way there.
-struct Buffered {
-    way: VecDeque<bool>,
-    stored: u32,
-    middle: bool,
-    standing: bool,
-    free: u32,
-    issued: bool,
-    taken: bool,
-    room: bool,
-    empty: bool,
-}
-
-impl Buffered {
-    fn new(words: u32) -> Buffered {
-        let way = VecDeque::new();
-        Buffered {
-            way,
-            stored: 0,
-            middle: false,
-            standing: false,
-            free: words,
-            issued: false,
-            taken: false,
-            room: true,
-            empty: true,
-        }
-    }
-
-    /// A strip of another level comes when nothing is on the way.
-    fn set_delay(&mut self, clocks: u32) {
-        self.way = vec![false; clocks as usize].into();
-    }
-
-    fn clock(&mut self, issue: bool, ready: bool, Buffer { words, middle, .. }: Buffer, unasked: u32) {
-        let free = !self.standing || ready;
-        let take = self.stored > 0 && (free || (middle && !self.middle));
-        let arrives = if middle { self.middle && free } else { take };
-        self.standing = arrives || (self.standing && !ready);
-        self.middle = take || (self.middle && !free);
-        self.way.push_front(issue);
-        let push = self.way.pop_back().unwrap_or(false);
-        self.stored = self.stored + u32::from(push) - u32::from(take);
-        self.room = self.free > Buffer::RESERVE + unasked;
-        self.empty = self.free == words && !self.issued && !issue;
-        self.free = self.free + u32::from(self.taken) - u32::from(self.issued);
-        (self.issued, self.taken) = (issue, take);
-    }
 }
 
 /// One strip of the input.
