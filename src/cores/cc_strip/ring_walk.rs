@@ -157,8 +157,8 @@ pub fn build(parameters: Parameters, level: u32) -> Result<Rc<Module>> {
     let step = |step: u32| &active & m.is(&number, step.into());
     let first = m.pipe("first_step", step(0));
     let last = m.wire("at_last_step", step(times.steps - 1));
+    m.on(&m.delay(&start, 1), &passed, m.bit(false));
     m.on(&last, &passed, m.bit(false));
-    m.on(&!&active, &passed, m.bit(false));
     m.on(&at_right, &passed, m.bit(true));
     let last = m.pipe("last_step", &last);
     // The places of a ring in their order, the last one right, whatever the valence.
