@@ -9,7 +9,9 @@ use std::rc::Rc;
 
 use super::core::port;
 use super::strip_lanes::Lanes;
+use crate::cores::cc_strip::buffer::MIDDLE;
 use crate::cores::cc_strip::buffered::{LEAVES, ROUNDING};
+use crate::cores::cc_strip::control::WALKS;
 use crate::cores::cc_strip::finish::Kind;
 use crate::cores::cc_strip::{Parameters, Precision, Role, Schedule};
 use crate::cosim::{Beat, Port, Stimulus};
@@ -144,7 +146,17 @@ pub fn protocol(core: &Module, parameters: Parameters) -> cc_strip_clocks::Core 
         rows_per_clock: parameters.rows_per_clock,
         finish: parameters.finish().map(|_| stages.count() as u32),
         buffer: buffer(core),
+        walks: [0, 1, 2, 3, 4, 5, 6].map(|level| walk(core, level)),
     }
+}
+
+/// Clocks of a walk around the ends of a column, as the control of its level counts them.
+fn walk(core: &Module, level: usize) -> u32 {
+    let name = format!("control_{level}");
+    let control = core.instances.iter().find(|instance| instance.name == name);
+    let count = control
+        .and_then(|control| control.module.nodes.iter().find(|node| node.name.as_deref() == Some(WALKS)));
+    count.map_or(0, |count| count.word.range.max as u32)
 }
 
 /// The buffer of a registered core: its depth, and how far each level's data are behind their control.
@@ -156,7 +168,9 @@ fn buffer(core: &Module) -> Option<cc_strip_clocks::Buffer> {
         flag.and_then(|flag| flag.time).map_or(0, |time| time + ROUNDING)
     };
     let delays = [1, 2, 3, 4, 5, 6, 7].map(delay);
-    Some(cc_strip_clocks::Buffer { delays, words: placed.module.memories.first()?.depth })
+    let node = |name: &str| placed.module.nodes.iter().find(|node| node.name.as_deref() == Some(name));
+    let words = node("stored")?.word.range.max as u32;
+    Some(cc_strip_clocks::Buffer { delays, words, middle: node(MIDDLE).is_some() })
 }
 
 /// The words of a strip, column by column.

@@ -57,14 +57,33 @@ impl<const N: usize> Form<N> {
         Some(self)
     }
 
+    /// The sum of a floor, taken once, and a linear form.
+    fn into_floor(mut self, linear: &Self) -> Option<Self> {
+        let factor = i64::try_from(self.divisor).ok()?;
+        if self.group != linear.group || self.modulus != 0 || linear.modulus != 0 {
+            return None;
+        }
+        for (a, &b) in self.coefficients.iter_mut().zip(&linear.coefficients) {
+            *a = a.checked_add(b.checked_mul(factor)?)?;
+        }
+        self.constant = self.constant.checked_add(linear.constant.checked_mul(self.divisor)?)?;
+        Some(self)
+    }
+
     pub fn plus_constant(mut self, constant: i128) -> Option<Self> {
         let part = if self.is_linear() { &mut self.constant } else { &mut self.addend };
         *part = part.checked_add(constant)?;
         Some(self)
     }
 
-    /// The sum; nothing for different groups, or for floors of different things.
+    /// The sum; nothing for different groups, or for floors of different things. What is no floor goes into one:
+    /// floor(L / d) + M = floor((L + d M) / d).
     pub fn plus(mut self, other: &Self) -> Option<Self> {
+        match (self.is_linear(), other.is_linear()) {
+            (false, true) if self.multiplier == 1 => return self.into_floor(other),
+            (true, false) if other.multiplier == 1 => return other.into_floor(&self),
+            _ => {}
+        }
         if self.group != other.group || self.divisor != other.divisor {
             return None;
         }
@@ -187,12 +206,25 @@ mod tests {
         assert_ne!(x.plus_constant(1).unwrap().shift_right(2, BYTE).unwrap().canonical(), plain.canonical());
     }
 
+    /// floor(x / 4) + 3 y is floor((x + 12 y) / 4).
+    #[test]
+    fn a_whole_number_goes_into_a_floor() {
+        let [x, y] = [0, 1].map(|index| Form::<2>::variable(0, index));
+        let floor = x.shift_right(2, BYTE).unwrap();
+        let triple = y.plus(&y).unwrap().plus(&y).unwrap();
+        let whole = x.plus(&triple.scaled(false, 2).unwrap()).unwrap().shift_right(2, BYTE).unwrap();
+        assert_eq!(floor.plus(&triple), Some(whole));
+        assert_eq!(triple.plus(&floor), Some(whole));
+    }
+
     #[test]
     fn sums_of_different_things_have_no_form() {
         let (a, b) = (Form::<2>::variable(0, 0), Form::<2>::variable(1, 0));
         assert!(a.plus(&b).is_none());
         let floor = a.shift_right(1, BYTE).unwrap();
-        assert!(floor.plus(&a).is_none());
-        assert_eq!(floor.plus(&floor).unwrap().multiplier, 2);
+        assert!(floor.plus(&a.shift_right(2, BYTE).unwrap()).is_none());
+        let twice = floor.plus(&floor).unwrap();
+        assert_eq!(twice.multiplier, 2);
+        assert!(twice.plus(&a).is_none());
     }
 }

@@ -16,12 +16,16 @@
 //! - Guards reach the output too, and are not kept.
 //! - A registered core sends into a buffer whose room is known a clock late; what is sent comes there, and counts,
 //!   later still. All is settled when every place of the buffer is free again.
+//! - Where the ends of columns are walked around, that takes its clocks from the first slice of a vertex column on; so
+//!   long nothing comes in. There a word is looked at for two clocks before it is taken
+//!   from where it waits, and none comes before it has gone; it counts a clock after that, a column a clock after it was whole, and
+//!   nothing is taken while that has not counted; and a level asks for room for a whole column, a clock before its first slice.
 //! - A strip of another level than the one before waits until no level has anything to send, and the finishing
 //!   stage is empty.
 
-use std::collections::VecDeque;
-
 use super::cc_strip::schedule::Schedule;
+pub use super::cc_strip_buffer::Buffer;
+use super::cc_strip_buffer::Buffered;
 
 /// What the core is made of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -35,64 +39,8 @@ pub struct Core {
     pub finish: Option<u32>,
     /// The buffer of a registered core.
     pub buffer: Option<Buffer>,
-}
-
-/// A buffer behind a pipeline of known depth.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Buffer {
-    /// Clocks from the control of level l to the buffer, for l = 1, 2, ...
-    pub delays: [u32; 7],
-    pub words: u32,
-}
-
-impl Buffer {
-    /// Free places at which no more is sent.
-    const RESERVE: u32 = 3;
-}
-
-/// What is in a buffer and on its way there.
-struct Buffered {
-    way: VecDeque<bool>,
-    stored: u32,
-    standing: bool,
-    free: u32,
-    issued: bool,
-    taken: bool,
-    room: bool,
-    empty: bool,
-}
-
-impl Buffered {
-    fn new(words: u32) -> Buffered {
-        let way = VecDeque::new();
-        Buffered {
-            way,
-            stored: 0,
-            standing: false,
-            free: words,
-            issued: false,
-            taken: false,
-            room: true,
-            empty: true,
-        }
-    }
-
-    /// A strip of another level comes when nothing is on the way.
-    fn set_delay(&mut self, clocks: u32) {
-        self.way = vec![false; clocks as usize].into();
-    }
-
-    fn clock(&mut self, issue: bool, ready: bool, words: u32) {
-        let take = self.stored > 0 && (!self.standing || ready);
-        self.standing = self.stored > 0 || (self.standing && !ready);
-        self.way.push_front(issue);
-        let push = self.way.pop_back().unwrap_or(false);
-        self.stored = self.stored + u32::from(push) - u32::from(take);
-        self.room = self.free > Buffer::RESERVE;
-        self.empty = self.free == words && !self.issued && !issue;
-        self.free = self.free + u32::from(self.taken) - u32::from(self.issued);
-        (self.issued, self.taken) = (issue, take);
-    }
+    /// Clocks of a walk around the ends of a column, by level; none where ends are not walked around.
+    pub walks: [u32; 7],
 }
 
 /// One strip of the input.
@@ -162,6 +110,11 @@ struct Level {
     guarded: bool,
     slices: u32,
     double: bool,
+    /// Clocks of the walk that are left.
+    walk: u32,
+    /// Where rooms are asked for: a column is on its way; one is here and does not count yet.
+    sends: bool,
+    comes: Option<Arrival>,
 }
 
 impl Level {
@@ -188,6 +141,11 @@ struct Machine {
     buffered: Option<Buffered>,
     /// Of a registered core: all was settled a clock ago, and nothing came in.
     was_idle: bool,
+    /// A word that waits, for so many clocks; one that does not count yet.
+    waits: Option<(Word, u32)>,
+    taken: Option<Word>,
+    /// Of the clock before.
+    had_room: bool,
 }
 
 impl Machine {
@@ -226,6 +184,9 @@ impl Machine {
             pipeline,
             buffered,
             was_idle: true,
+            waits: None,
+            taken: None,
+            had_room: false,
         }
     }
 
@@ -246,6 +207,11 @@ impl Machine {
         self.pipeline[self.pipeline.len() - 1]
     }
 
+    /// Whether the ends of columns are walked around.
+    fn walks(&self) -> bool {
+        self.core.walks != [0; 7]
+    }
+
     /// One clock; returns whether the offered word was taken.
     fn clock(&mut self, offered: Option<Word>, ready: bool) -> bool {
         let advance = !self.output() || ready;
@@ -254,7 +220,8 @@ impl Machine {
             None => advance || (self.core.finish.is_some() && !self.finishing.0),
         };
         // Who sends, from the output backwards; and what that means for the one before.
-        let mut serves: Vec<Option<usize>> = vec![];
+        let walks = self.walks();
+        let (mut serves, mut starts): (Vec<Option<usize>>, Vec<usize>) = (vec![], vec![]);
         let mut next_ready = false;
         for (range, slice, active) in self.units.iter().rev() {
             let can = |level: &usize| {
@@ -265,36 +232,58 @@ impl Machine {
                 };
                 self.levels[*level].columns > 0 && target && (*slice == 0 || active == level)
             };
-            let serve = range.clone().rev().find(can);
+            let serve = match (walks, range.start) {
+                (false, _) => range.clone().rev().find(can),
+                (true, level) => {
+                    let sends = self.levels[level].sends;
+                    starts.extend(Some(level).filter(|level| !sends && can(level)));
+                    Some(level).filter(|_| sends)
+                }
+            };
             let first = range.start;
             let ends = serve == Some(first) && slice + 1 == self.levels[first].slices;
             // A registered core sees the end of a column in time only where that leaves, and not in front.
-            let seen = self.core.buffer.is_none() || (first > 0 && first + 1 == self.wanted);
+            let seen = self.core.buffer.is_none() || (!walks && first > 0 && first + 1 == self.wanted);
             next_ready = self.levels[first].columns == 0 || (ends && self.levels[first].columns == 1 && seen);
+            next_ready &= self.levels[first].walk == 0 && self.levels[first].comes.is_none();
             serves.push(serve);
         }
         serves.reverse();
         // The finishing stage looks at the level all the way through.
         let stage = self.core.finish.is_some() && (self.finishing.0 || self.pipeline.contains(&true));
         let empty = self.buffered.as_ref().is_none_or(|buffered| buffered.empty);
-        let idle = self.levels.iter().all(|level| level.columns == 0) && !stage && empty;
+        let idle =
+            self.levels.iter().all(|level| level.columns == 0 && level.comes.is_none()) && !stage && empty;
         let settles = if self.core.buffer.is_some() { self.was_idle } else { idle };
 
-        let word = offered.filter(|word| {
+        let enters = walks && self.waits.is_none();
+        let looked_at =
+            if walks { self.waits.filter(|(_, clocks)| *clocks > 0).map(|(word, _)| word) } else { offered };
+        let word = looked_at.filter(|word| {
             let dropped = self.dropping || (word.first && (word.level == 0 || word.level > self.core.levels));
             let settled = !word.first || word.level as usize == self.wanted || settles;
-            dropped || (next_ready && settled)
+            // Words come so seldom that the room is that of the clock before.
+            let room = if walks { self.had_room } else { next_ready };
+            dropped || (room && settled)
         });
 
         // The edge.
         self.was_idle = idle;
+        self.had_room = next_ready;
         let (mut reaches, mut arrivals) = (None, vec![]);
+        for level in &mut self.levels {
+            level.walk = level.walk.saturating_sub(1);
+        }
         for (unit, serve) in serves.iter().enumerate() {
             let Some(level) = *serve else { continue };
             let sender = self.levels[level];
             let (_, slice, active) = &mut self.units[unit];
+            if *slice == 0 && sender.columns == 2 {
+                self.levels[level].walk = self.core.walks[level];
+            }
             (*slice, *active) = (*slice + 1, level);
             let whole = *slice == sender.slices;
+            self.levels[level].sends &= !whole;
             if whole {
                 *slice = 0;
                 self.levels[level].columns -= 1;
@@ -309,11 +298,17 @@ impl Machine {
                 arrivals.push((level + 1, arrival));
             }
         }
+        starts.into_iter().for_each(|level| self.levels[level].sends = true);
         // A level may take a column in the clock in which it sends its last.
-        for (level, arrival) in arrivals {
-            self.levels[level].arrives(arrival);
+        for level in &mut self.levels {
+            level.comes.take().into_iter().for_each(|arrival| level.arrives(arrival));
         }
+        arrivals.into_iter().for_each(|(level, arrival)| self.comes(level, arrival));
         self.finish(reaches, advance, ready);
+        if let Some(taken) = self.taken.take() {
+            self.was_idle = false;
+            self.counts(taken);
+        }
         if let Some(word) = word {
             let dropped = self.dropping || (word.first && (word.level == 0 || word.level > self.core.levels));
             self.dropping = dropped && !word.last;
@@ -325,19 +320,43 @@ impl Machine {
                         buffered.set_delay(buffer.delays[self.wanted - 1]);
                     }
                 }
-                if word.complete {
-                    self.levels[0].arrives(Arrival { first: word.guard, last: word.last });
+                match walks {
+                    true => self.taken = Some(word),
+                    false => self.counts(word),
                 }
             }
+        }
+        if walks {
+            self.waits = match self.waits {
+                None => offered.map(|word| (word, 0)),
+                Some(_) if word.is_some() => None,
+                Some((waiting, clocks)) => Some((waiting, clocks + 1)),
+            };
+            return enters && offered.is_some();
         }
         word.is_some()
     }
 
+    fn counts(&mut self, word: Word) {
+        if word.complete {
+            self.comes(0, Arrival { first: word.guard, last: word.last });
+        }
+    }
+
+    fn comes(&mut self, level: usize, arrival: Arrival) {
+        match self.walks() {
+            true => self.levels[level].comes = Some(arrival),
+            false => self.levels[level].arrives(arrival),
+        }
+    }
+
     /// What the output takes in: kept at once, or finished when the column behind it is there.
     fn finish(&mut self, reaches: Option<(Arrival, bool, bool)>, advance: bool, ready: bool) {
+        let (walks, slices) = (self.walks(), self.levels[self.levels.len() - 1].slices);
         let seen = |(arrival, _, double): (Arrival, bool, bool)| double || !(arrival.first || arrival.last);
         if let (Some(buffered), Some(buffer)) = (&mut self.buffered, self.core.buffer) {
-            buffered.clock(reaches.is_some_and(seen), ready, buffer.words);
+            let unasked = if walks { slices } else { 0 };
+            buffered.clock(reaches.is_some_and(seen), ready, buffer, unasked);
             return;
         }
         if self.core.finish.is_none() {
@@ -377,7 +396,7 @@ mod tests {
     use super::*;
 
     fn core(levels: u32, schedule: Schedule, folded: bool) -> Core {
-        Core { levels, schedule, folded, rows_per_clock: None, finish: None, buffer: None }
+        Core { levels, schedule, folded, rows_per_clock: None, finish: None, buffer: None, walks: [0; 7] }
     }
 
     /// The formulas of the schedules, from the level on where four words take fewer clocks than a column.

@@ -11,6 +11,7 @@
 //! Nothing here uses `hdl` or `cores`, and those use nothing from here, so that a mistake in one shows.
 
 pub mod cc_strip;
+mod cc_strip_buffer;
 pub mod cc_strip_clocks;
 pub mod float;
 pub mod lane_clocks;

@@ -16,12 +16,12 @@ use std::rc::Rc;
 use crate::error::Result;
 use crate::hdl::{Builder, Module, Relation, Signal, Word};
 
-/// Credits that are kept back.
+/// Credits that are kept back, beside those of the slices that leave without being asked about.
 const RESERVE: i128 = 4;
 
 /// Whether another column may leave. Inputs: `issue`, `take`. Outputs: `has_room`, and `empty`: nothing is on its way
 /// or in the RAM.
-pub fn credits(log_depth: u32) -> Result<Rc<Module>> {
+pub fn credits(log_depth: u32, unasked: u32) -> Result<Rc<Module>> {
     let m = Builder::new("buffer_credits");
     let depth = 1i128 << log_depth;
     m.purpose(
@@ -37,7 +37,8 @@ pub fn credits(log_depth: u32) -> Result<Rc<Module>> {
     let credits = m.register_reset("credits", Word::range(0, depth), depth);
     m.on(&(&issued & !&taken), &credits, m.wrap(&credits - 1, credits.word()));
     m.on(&(!&issued & &taken), &credits, m.wrap(&credits + 1, credits.word()));
-    let reserve = m.constant(RESERVE, Word::range(RESERVE, RESERVE));
+    let reserve = RESERVE + i128::from(unasked);
+    let reserve = m.constant(reserve, Word::range(reserve, reserve));
     let room = m.compare(Relation::LessOrEqual, &reserve, &credits);
     m.output("has_room", flag("has_room", &room, 1));
     let rests = m.all(&[&m.is(&credits, depth), &!&issued, &!&issue]);
@@ -45,9 +46,13 @@ pub fn credits(log_depth: u32) -> Result<Rc<Module>> {
     m.finish()
 }
 
-/// The FIFO of a row. Inputs: `push` and the lanes, `ready`. Outputs: `valid` and the lanes, and `take`: a word goes from
+/// Words of a bank of a deep buffer: as many as can be read within a clock.
+const LOG_BANK: u32 = 6;
+
+/// The FIFO of a row, of a bank more than one where it is deep: then the word of the bank in turn stands in a register
+/// between the banks and the output. Inputs: `push` and the lanes, `ready`. Outputs: `valid` and the lanes, and `take`: a word goes from
 /// the RAM into the register behind it.
-pub fn row(name: &str, log_depth: u32, lanes: &[(&str, Word)]) -> Result<Rc<Module>> {
+pub fn row(name: &str, log_depth: u32, deep: bool, lanes: &[(&str, Word)]) -> Result<Rc<Module>> {
     let m = Builder::new(name);
     let depth = 1i128 << log_depth;
     m.purpose(format!("A FIFO of {depth} words; the pipeline before it runs on credits and never stalls."));
@@ -58,11 +63,20 @@ pub fn row(name: &str, log_depth: u32, lanes: &[(&str, Word)]) -> Result<Rc<Modu
     let [written, read] = ["written", "read"].map(|name| m.register_reset(name, pointer, 0));
     let [some, valid] = ["some", "valid"].map(|name| m.register_reset(name, Word::bit(), 0));
     let stored = m.register_reset("stored", Word::range(0, depth), 0);
-    let take = m.wire("take", &some & &(!&valid | &ready));
+    let banks = if deep { 1u32 << log_depth.saturating_sub(LOG_BANK) } else { 1 };
+    let middle = deep.then(|| m.register_reset(MIDDLE, Word::bit(), 0));
+    let free = m.wire("free", !&valid | &ready);
+    let room = middle.as_ref().map_or(free.clone(), |middle| !middle | &free);
+    let take = m.wire("take", &some & &room);
     m.on(&push, &written, m.wrap(&written + 1, pointer));
     m.on(&take, &read, m.wrap(&read + 1, pointer));
-    m.on(&some, &valid, m.bit(true));
+    m.on(middle.as_ref().unwrap_or(&some), &valid, m.bit(true));
     m.on(&ready, &valid, m.bit(false));
+    let moves = middle.as_ref().map(|middle| {
+        m.on(&some, middle, m.bit(true));
+        m.on(&free, middle, m.bit(false));
+        m.wire("moves", middle & &free)
+    });
     let one = m.wire("one", m.is(&stored, 1));
     m.on(&push, &some, m.bit(true));
     m.on(&(&take & &one), &some, m.bit(false));
@@ -71,11 +85,52 @@ pub fn row(name: &str, log_depth: u32, lanes: &[(&str, Word)]) -> Result<Rc<Modu
 
     m.output("take", &take);
     m.output("valid", &valid);
+    // The bank of the word in the middle.
+    let turn: Vec<Signal> = (0..banks.ilog2())
+        .map(|bit| {
+            let digit = m.slice(&read, log_depth - banks.ilog2() + bit, 1);
+            let turn = m.register(format!("turn_{bit}"), Word::bit());
+            m.on(&take, &turn, &digit);
+            turn
+        })
+        .collect();
     for ((name, word), input) in lanes.iter().zip(&inputs) {
-        let ram = m.memory(&format!("ram_{name}"), depth as u32, *word, vec![]).distributed();
-        ram.write(&push, &written, input);
-        let lane = m.restart(&ram.read(&format!("read_{name}"), &read, Some(&take)), 0);
+        let Some(moves) = &moves else {
+            let ram = m.memory(&format!("ram_{name}"), depth as u32, *word, vec![]).distributed();
+            ram.write(&push, &written, input);
+            let lane = m.restart(&ram.read(&format!("read_{name}"), &read, Some(&take)), 0);
+            m.output(format!("out_{name}"), &lane);
+            continue;
+        };
+        let mut words: Vec<Signal> = (0..banks)
+            .map(|bank| {
+                let here = |pointer: &Signal| bank_of(&m, pointer, banks, bank);
+                let size = (depth as u32) / banks;
+                let ram = m.memory(&format!("ram_{name}_{bank}"), size, *word, vec![]).distributed();
+                let within = |pointer: &Signal| m.slice(pointer, 0, size.ilog2());
+                ram.write(&(&push & &here(&written)), &within(&written), input);
+                let enable = &take & &here(&read);
+                m.restart(&ram.read(&format!("read_{name}_{bank}"), &within(&read), Some(&enable)), 0)
+            })
+            .collect();
+        for bit in 0..banks.ilog2() {
+            let chosen = |pair: &[Signal]| m.select(&turn[bit as usize], &pair[1], &pair[0]);
+            words = words.chunks(2).map(chosen).collect();
+        }
+        let lane = m.register(format!("{name}_stands"), *word);
+        m.on(moves, &lane, &words[0]);
         m.output(format!("out_{name}"), &lane);
     }
     m.finish()
+}
+
+/// The register of a deep buffer that says that a word stands between the banks and the output.
+pub const MIDDLE: &str = "in_the_middle";
+
+/// Whether a pointer is in a bank.
+fn bank_of(m: &Builder, pointer: &Signal, banks: u32, bank: u32) -> Signal {
+    match banks.ilog2() {
+        0 => m.bit(true),
+        bits => m.is(&m.slice(pointer, pointer.width() - bits, bits), bank.into()),
+    }
 }

@@ -11,6 +11,7 @@
 use super::buffer;
 use super::engine::Outgoing;
 use super::output::{Offer, Output, Standing, Vertex};
+use super::wait::wait;
 use crate::cores::loop_fd::AXES;
 use crate::error::Result;
 use crate::fixed::Rounding;
@@ -48,7 +49,8 @@ impl Output<'_> {
         let here = |signal: &Signal| m.restart(signal, 0);
         let of_level = |name: &str, of: &dyn Fn(&Offer) -> Signal| {
             let flags = self.offers.iter().zip(1..).map(|(offer, level)| {
-                let flag = m.at_time(&of(offer), time(offer));
+                let flag = [(format!("{name}{level}"), of(offer))];
+                let flag = wait(m, &format!("{name}{level}_slot"), &flag, time(offer)).remove(0);
                 &self.is[level - 1] & &here(&m.wire(format!("{name}{level}"), &flag))
             });
             any(flags.collect())
@@ -74,7 +76,10 @@ impl Output<'_> {
             .collect();
         let index = |offer: &Offer| self.offers.iter().position(|o| std::ptr::eq(o.group, offer.group));
         let sliced = self.offers.iter().any(|offer| offer.group.most_slices() > 1);
-        let log_depth = log_depth(delay + ROUNDING);
+        // A column that has begun to leave is not stopped.
+        let most = self.offers.iter().map(|offer| offer.group.most_slices()).max().unwrap_or(0);
+        let unasked = if self.parameters.walked() { most } else { 0 };
+        let log_depth = log_depth(delay + ROUNDING + unasked);
 
         // A FIFO for the flags and one for each row, all with a `push` of their own.
         let push = m.delay_reset(&push, ROUNDING - 1, 0);
@@ -82,7 +87,7 @@ impl Output<'_> {
             let shapes: Vec<(&str, Word)> =
                 lanes.iter().map(|(lane, signal)| (*lane, signal.word())).collect();
             let kind = if lanes.len() < 3 { "flags" } else { ["row", "row_or_not"][lanes.len() - 3] };
-            let unit = buffer::row(&format!("{kind}_buffer"), log_depth, &shapes)?;
+            let unit = buffer::row(&format!("{kind}_buffer"), log_depth, self.parameters.walked(), &shapes)?;
             let mut inputs = vec![
                 ("push".to_string(), here(&m.unmerged(m.pipe_reset(format!("push_{name}"), &push, 0)))),
                 ("ready".into(), consumer.clone()),
@@ -98,7 +103,7 @@ impl Output<'_> {
         let flags = fifo("flags", &flags)?;
         let credits = m.instance(
             "room",
-            &buffer::credits(log_depth)?,
+            &buffer::credits(log_depth, unasked)?,
             &[("issue", &issue), ("take", &flags.out("take"))],
         );
         let mut vertices = vec![];

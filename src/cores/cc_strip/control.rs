@@ -20,15 +20,18 @@ use super::{LEVEL_BITS, VALENCE_BITS};
 use crate::error::Result;
 use crate::hdl::{Builder, Module, Signal, Word};
 
+/// The register of [`super::walked_control`] that counts for how many clocks more the window stands.
+pub const WALKS: &str = "clocks_of_walk";
+
 /// What goes with a column or a slice of it.
-struct Flags {
+pub(super) struct Flags {
     /// The first and the last slice of the column.
-    begins: Signal,
-    ends: Signal,
+    pub begins: Signal,
+    pub ends: Signal,
     /// The left and the right guard of the strip.
-    first: Signal,
-    last: Signal,
-    valences: [Signal; 2],
+    pub first: Signal,
+    pub last: Signal,
+    pub valences: [Signal; 2],
 }
 
 /// Inputs: what comes in (`valid`, `begins`, `ends`, `first`, `last`, `top_valence`, `bottom_valence`), the `level`
@@ -212,23 +215,23 @@ impl Turn {
 }
 
 /// The state of a level.
-struct Level {
+pub(super) struct Level {
     level: u32,
     /// A vertex column is to leave, before a face column.
-    vertex: Signal,
+    pub vertex: Signal,
     /// Something is to leave.
-    leaves: Signal,
+    pub leaves: Signal,
     /// The columns of the strip that are here: none or one (0), two (1), three (2).
-    age: Signal,
+    pub age: Signal,
     /// The right guard is here.
-    guarded: Signal,
+    pub guarded: Signal,
     /// Valences of the next and of the middle column.
-    next: [Signal; 2],
-    middle: [Signal; 2],
+    pub next: [Signal; 2],
+    pub middle: [Signal; 2],
 }
 
 impl Level {
-    fn new(m: &Builder, level: u32, double: bool) -> Level {
+    pub fn new(m: &Builder, level: u32, double: bool) -> Level {
         let name = |what: &str| format!("{what}_{level}");
         let vertex = m.register_reset(name("vertex"), Word::bit(), 0);
         // Where both columns leave at once, there is nothing between vertex column and rest.
@@ -249,7 +252,7 @@ impl Level {
     }
 
     /// `done`: a column has left; `whole`: one has arrived.
-    fn moves(&self, m: &Builder, double: bool, done: &Signal, whole: &Signal, flags: &Flags) {
+    pub fn moves(&self, m: &Builder, double: bool, done: &Signal, whole: &Signal, flags: &Flags) {
         let l = self.level;
         let none = m.is(&self.age, 0);
         let first = m.wire(format!("first_{l}"), whole & &flags.first);

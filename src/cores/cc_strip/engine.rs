@@ -19,7 +19,7 @@ use super::columns::{face_column, row_names, vertex_column};
 use super::fan::{self, End, Replaced, fan_names};
 use super::schedule::Group;
 use super::view::EndView;
-use super::window::{self, Columns, Producer, outside_places, places};
+use super::window::{self, Columns, Producer, is_fan, outside_places, places};
 use super::{Parameters, VALENCE_BITS};
 use crate::error::Result;
 use crate::hdl::{Builder, Module, Placed, Signal, Word};
@@ -36,8 +36,18 @@ impl Outgoing {
         let out = |name: String| placed.out(&format!("{prefix}_{name}"));
         Outgoing {
             rows: (0..group.lanes()).map(|u| out(format!("row_{u}"))).collect(),
-            outside: outside_places(parameters).into_iter().map(out).collect(),
+            outside: passed_places(parameters, group).into_iter().map(out).collect(),
         }
+    }
+}
+
+/// What lies outside of a column and leaves with it: nothing of the finest one where the ends are walked around, and
+/// no fan, which leaves by itself.
+pub(super) fn passed_places(parameters: Parameters, group: &Group) -> Vec<String> {
+    match group.walked {
+        true if group.finest() + 1 == parameters.levels => vec![],
+        true => outside_places(parameters).into_iter().filter(|place| !is_fan(place)).collect(),
+        false => outside_places(parameters),
     }
 }
 
@@ -59,7 +69,7 @@ fn within(group: &Group, level: u32) -> Producer {
 /// Whether the window of a group adds columns for its unit: where the unit works on whole columns of one level. Else
 /// rows are brought to the unit before they are added.
 pub fn keeps_sums(group: &Group) -> bool {
-    group.levels.clone().count() == 1 && group.most_slices() == 1
+    group.levels.clone().count() == 1 && group.most_slices() == 1 && !group.walked
 }
 
 /// Bits that number the slices of a column.
@@ -114,10 +124,11 @@ pub fn build(parameters: Parameters, index: usize, groups: &[Group]) -> Result<R
         let unit = window::build(parameters, level, from, keeps_sums(group))?;
         let ports: Vec<(String, Signal)> = if level == levels[0] {
             let name = |id: &crate::hdl::NodeId| unit.node(*id).name.clone().unwrap_or_default();
-            unit.inputs
-                .iter()
-                .map(|id| (name(id), m.input(format!("in_{}", name(id)), unit.node(*id).word)))
-                .collect()
+            let input = |id: &crate::hdl::NodeId| {
+                let port = unit.node(*id);
+                (name(id), m.input_at(format!("in_{}", name(id)), port.word, port.time.unwrap_or(0)))
+            };
+            unit.inputs.iter().map(input).collect()
         } else {
             let write = bit(format!("write_{level}"));
             let begin = bit(format!("shift_{level}"));
@@ -137,6 +148,18 @@ pub fn build(parameters: Parameters, index: usize, groups: &[Group]) -> Result<R
         levels.iter().zip(&placed).map(|(&level, placed)| Columns::new(parameters, level, placed)).collect();
 
     let unit = Unit { m: &m, parameters, group, columns: &columns, serve: &serve, slice: &slice };
+    if group.walked {
+        let walk = bit("walk".into());
+        let (column, fans) = unit.walked(&face, valences, &walk)?;
+        let names = (0..group.lanes()).map(|u| format!("row_{u}")).chain(passed_places(parameters, group));
+        for (name, signal) in names.zip(column.rows.iter().chain(&column.outside)) {
+            m.output(format!("out_{name}"), m.wire(format!("out_{name}"), fit(&m, signal, finest)));
+        }
+        for (name, signal) in &fans {
+            m.output(format!("out_{name}"), signal);
+        }
+        return m.finish();
+    }
     if parameters.registered {
         let names = (0..group.lanes()).map(|u| format!("row_{u}")).chain(outside_places(parameters));
         let column = unit.registered(&face, valences)?;
@@ -407,7 +430,7 @@ impl Unit<'_> {
 }
 
 /// The option with the number that the bits make, the lowest bit first; what does not exist is never asked for.
-fn chosen_by(m: &Builder, bits: &[Signal], options: Vec<Option<Signal>>) -> Option<Signal> {
+pub(super) fn chosen_by(m: &Builder, bits: &[Signal], options: Vec<Option<Signal>>) -> Option<Signal> {
     let mut options = options;
     for bit in bits {
         let pair = |pair: &[Option<Signal>]| match pair {
@@ -431,7 +454,9 @@ pub fn incoming_places(parameters: Parameters, level: u32, producer: Producer) -
         Producer::Words => places(parameters, level),
         Producer::Slices { cells, .. } => {
             let lanes = parameters.rows(level).min(2 * cells as usize + 1);
-            (0..lanes).map(|u| format!("row_{u}")).chain(outside_places(parameters)).collect()
+            let outside = outside_places(parameters).into_iter();
+            let outside = outside.filter(|place| !parameters.walked() || !is_fan(place));
+            (0..lanes).map(|u| format!("row_{u}")).chain(outside).collect()
         }
     }
 }

@@ -51,7 +51,7 @@ pub(super) fn names(parameters: Parameters) -> Vec<String> {
 }
 
 /// The signals of an end in the order of [`names`].
-fn signals(end: &EndView) -> Vec<Signal> {
+pub(super) fn signals(end: &EndView) -> Vec<Signal> {
     let mut signals: Vec<Signal> = end.outer.iter().chain(&end.inner).cloned().collect();
     signals.extend([end.before.clone(), end.after.clone()]);
     for (i, a) in end.neighbours.iter().enumerate() {

@@ -15,7 +15,7 @@ use crate::error::Result;
 use crate::hdl::{Builder, Module, Relation, Signal, Word};
 
 /// Inputs: the stream (`valid`, `user`, `last`), `taken` (level 0 has room) and `idle` (nothing is to leave any
-/// level). Outputs: `ready`, `accept` (a word goes into the window), one `write_..` for each place, `begins`,
+/// level). Outputs: `ready`, `comes` (a word comes), `accept` (it goes into the window, in a walked core a clock later), one `write_..` for each place, `begins`,
 /// `ends`, `first`, `last_column`, the valences, and the `level` of the strip.
 pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
     let m = Builder::new("column_loader");
@@ -34,11 +34,19 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
     let none = m.is(&wanted, 0);
     let possible = m.wire("possible", !&none & m.compare(Relation::LessOrEqual, &wanted, &most));
     let same = m.wire("same_level", m.compare(Relation::Equal, &wanted, &level));
+    // In a walked core a word stands for a clock before it is judged.
+    let judged = |name: &str, signal: Signal| match parameters.walked() {
+        true => m.restart(&m.pipe(name, &signal), 0),
+        false => signal,
+    };
+    let (possible, same) = (judged("is_possible", possible), judged("is_same_level", same));
     let settled = m.wire("settled", !&starts | &same | &idle);
     let dropped = m.wire("dropped", &drops | (&starts & !&possible));
+    // Words are so far apart there that the room of the clock before is known to be that of now.
+    let taken = judged("has_room", taken);
     let ready = m.wire("ready", &dropped | (&taken & &settled));
     let moves = m.wire("moves", &valid & &ready);
-    let accept = m.wire("accept", &moves & !&dropped);
+    let accept = m.wire("accept", m.all(&[&valid, &!&dropped, &taken, &settled]));
     m.on(&(&accept & &starts), &level, &wanted);
     m.on(&(&moves & &last), &starts, m.bit(true));
     m.on(&moves, &starts, m.bit(false));
@@ -52,6 +60,19 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
     m.on(&(&accept & &last), &first, m.bit(true));
     m.on(&(&accept & &complete), &first, m.bit(false));
 
+    // In a walked core what follows from a word stands in registers, a clock later.
+    let walked = parameters.walked();
+    let late = |name: &str, signal: &Signal, reset: i128| match walked {
+        true => m.restart(&m.pipe_reset(name, signal, reset), 0),
+        false => signal.clone(),
+    };
+    let ends = late("ends", &complete, 0);
+    let last_column = late("last_column", &last, 0);
+    let [role, valence] = [("role", role), ("valence", valence)].map(|(name, word)| late(name, &word, 0));
+    let fresh = late("begins", &fresh, 1);
+    let first = late("of_left_guard", &first, 1);
+    let comes = accept;
+    let accept = late("accepted", &comes, 0);
     let is =
         |r: Role| m.wire(format!("is_{}", format!("{r:?}").to_lowercase()), &accept & m.is(&role, r as i128));
     let [vertex, fan, left, right] = [Role::Vertex, Role::Fan, Role::OutsideLeft, Role::OutsideRight].map(is);
@@ -89,11 +110,12 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
         m.output(format!("{end}_valence"), &kept);
     }
     m.output("ready", &ready);
+    m.output("comes", &comes);
     m.output("accept", &accept);
     m.output("begins", &fresh);
-    m.output("ends", &complete);
+    m.output("ends", &ends);
     m.output("first", &first);
-    m.output("last_column", &last);
+    m.output("last_column", &last_column);
     m.output("level", &level);
     m.finish()
 }

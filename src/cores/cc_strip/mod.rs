@@ -20,10 +20,10 @@
 //! **Numbers**: exact, 6 fraction bits more on every level; or `guard` fraction bits on every level and
 //! one rounding for every vertex, taken from unrounded sums. No rule divides by three.
 
-mod buffer;
+pub mod buffer;
 pub mod buffered;
 mod columns;
-mod control;
+pub mod control;
 mod engine;
 mod fan;
 mod fan_registered;
@@ -38,6 +38,7 @@ mod output;
 mod parameters;
 pub mod proof;
 mod registered;
+mod ring_walk;
 mod row_filter;
 pub mod schedule;
 mod tangents;
@@ -47,7 +48,11 @@ mod vectors;
 pub mod view;
 pub mod view_ports;
 mod wait;
+mod walked;
+mod walked_control;
+mod walked_proof;
 mod window;
+mod word_stage;
 
 use std::rc::Rc;
 

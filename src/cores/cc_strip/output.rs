@@ -63,7 +63,11 @@ impl<'a> Output<'a> {
         level: &Signal,
         consumer: Signal,
     ) -> Output<'a> {
-        let is = (1..=parameters.levels).map(|l| m.wire(format!("is_level_{l}"), m.is(level, l.into())));
+        let is = (1..=parameters.levels).map(|l| {
+            let is = m.wire(format!("is_level_{l}"), m.is(level, l.into()));
+            // It stands long before a column comes.
+            if parameters.walked() { m.restart(&m.pipe(format!("for_level_{l}"), &is), 0) } else { is }
+        });
         let is = is.collect();
         Output { m, parameters, offers, is, consumer }
     }

@@ -114,6 +114,12 @@ impl Parameters {
                 "leave out --registered, or choose --schedule pipelined alone",
             );
         }
+        if self.walked() && !matches!(self.rounding, Rounding::Floor | Rounding::HalfUp) {
+            return refuse(
+                format!("slices of registered adders rounded {}", self.rounding),
+                "choose --rounding half-up or floor, or leave out --registered or --rows-per-clock",
+            );
+        }
         if self.normals.is_some() && self.longitudinal.is_some() {
             return refuse(
                 "normals in row-major output".into(),
@@ -188,6 +194,11 @@ impl Parameters {
         (self.max_valence - 3) as usize
     }
 
+    /// The ends of columns are walked around, a neighbour a clock: in slices, a column takes its time.
+    pub fn walked(self) -> bool {
+        self.registered && self.rows_per_clock.is_some()
+    }
+
     /// The finishing stage; none where refined positions leave alone.
     pub fn finish(self) -> Option<finish::Parameters> {
         (self.limit || self.normals.is_some()).then(|| finish::Parameters {
@@ -203,6 +214,7 @@ impl Parameters {
 
     /// Which unit makes the columns of which levels.
     pub fn groups(self) -> Vec<Group> {
-        groups(self.schedule, self.folded, self.levels, self.rows_per_clock)
+        let groups = groups(self.schedule, self.folded, self.levels, self.rows_per_clock);
+        groups.into_iter().map(|group| Group { walked: self.walked(), ..group }).collect()
     }
 }

@@ -13,7 +13,7 @@
 use std::collections::BTreeMap;
 
 use super::Parameters;
-use super::engine;
+use super::engine::{self, passed_places};
 use super::fan::{End, fan_names};
 use super::schedule::Group;
 use super::window::{KEPT, STAGES};
@@ -23,7 +23,7 @@ use crate::hdl::linear::Value;
 use crate::hdl::{Flat, LinearForms, NodeId, Simulator, Word};
 
 /// Variables of the largest window: three columns of 65 rows and what lies outside.
-const VARIABLES: usize = 256;
+pub(super) const VARIABLES: usize = 256;
 
 /// What was proved.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
@@ -278,11 +278,11 @@ fn replacement(centre: &Mask, neighbours: &[&Mask], diagonals: &[&Mask], bits: u
 }
 
 /// One level of a group with given valences at its ends.
-struct Statement<'a> {
-    parameters: Parameters,
-    group: &'a Group,
-    level: u32,
-    valences: [u32; 2],
+pub(super) struct Statement<'a> {
+    pub(super) parameters: Parameters,
+    pub(super) group: &'a Group,
+    pub(super) level: u32,
+    pub(super) valences: [u32; 2],
 }
 
 impl Statement<'_> {
@@ -331,7 +331,8 @@ impl Statement<'_> {
         };
         for (name, id) in flat.inputs.clone() {
             // Nothing comes in.
-            if name.starts_with("in_shift") || name.starts_with("in_write") || name == "in_fans" {
+            let is_strobe = name.starts_with("in_") && flat.node(id).word == Word::bit();
+            if is_strobe {
                 simulator.set(id, Value::Integer(0));
             }
         }
@@ -345,7 +346,7 @@ impl Statement<'_> {
         }
 
         if delay > 0 {
-            ["face", "slice"].iter().for_each(|name| control(&mut simulator, name, 0));
+            ["face", "slice", "walk"].iter().for_each(|name| control(&mut simulator, name, 0));
             simulator.settle();
             simulator.edge(false)?;
             held(true).for_each(|(id, value)| simulator.set(id, value));
@@ -359,6 +360,9 @@ impl Statement<'_> {
             rules.get(name).map(|rule| rounded(parameters, level, guard, rule))
         };
         let mut compared = 0;
+        if group.walked {
+            compared += self.walk(&mut simulator, delay, &|name| expected(&middle, name))?;
+        }
         for (face, rules) in [(1, &between), (0, &middle)] {
             control(&mut simulator, "face", face);
             let prefix = if face == 1 && group.double { "face" } else { "out" };
@@ -387,6 +391,8 @@ impl Statement<'_> {
                 let rows = (0..lanes)
                     .map(|u| (format!("row_{u}"), format!("row_{}", 2 * cells * slice as usize + u)));
                 let ends = engine_ends(parameters, slice == 0, slice + 1 == slices);
+                let passed = passed_places(parameters, group);
+                let ends: Vec<String> = ends.into_iter().filter(|place| passed.contains(place)).collect();
                 for (port, name) in rows.chain(ends.into_iter().map(|place| (place.clone(), place))) {
                     let Some(expected) = expected(rules, &name) else { continue };
                     let id = simulator.flat.output(&format!("{prefix}_{port}"));

@@ -19,34 +19,23 @@ use super::columns::row_names;
 use crate::error::Result;
 use crate::hdl::{Builder, Module, Signal, Sum, Word};
 
-/// Inputs: `face`; `s_..` of every row (see [`row_names`]), `old_..` and `column_..` of those in the strip.
+/// Inputs: `face`; `s_..` of every row (see [`row_names`]), `old_..` and `column_..` of those in the strip; or, where the
+/// ends are walked around, `previous_..`, `middle_..` and `next_..`, a clock later.
 /// Outputs: `row_0` to `row_2q`, and `face_above` and `face_below`, which only a face column has.
 pub fn build(parameters: Parameters, level: u32, cells: u32, sliced: bool) -> Result<Rc<Module>> {
     let m = Builder::new(&format!("row_filter_{level}"));
     m.purpose(format!("The new rows of a face or vertex column of level {level}, {cells} cells."));
-    let (word, sum_word) = (parameters.word(level), parameters.sum_word(level));
-    let eightfold = Word { range: word.range * 8, ..word };
-    let zero = m.constant(0, Word { range: crate::fixed::Range::point(0), ..word });
+    let word = parameters.word(level);
     let face = m.input("face", Word::bit());
     let names = row_names(cells);
     let inside = usize::from(!sliced)..=cells as usize + 1;
     let mut r: Vec<Signal> = vec![];
     for (at, row) in names.iter().enumerate() {
-        let s = m.input(format!("s_{row}"), sum_word);
-        let fourfold = m.signal(4 * &s);
-        if !inside.contains(&at) {
-            // Only face columns see it.
-            let scaled = m.pipe(format!("w_{row}"), &fourfold);
-            r.push(m.pipe(format!("r_{row}"), &scaled));
-            continue;
-        }
-        let scaled = m.pipe(format!("w_{row}"), m.select(&face, &fourfold, &s));
-        let old = m.input(format!("old_{row}"), sum_word);
-        let column = m.input(format!("column_{row}"), word);
-        let rest = m.pipe(format!("u_{row}"), m.select(&face, &zero, &old + 4 * &column));
-        // Four sums of two vertices, or the eight vertices of t.
-        let sum = m.claim(&format!("r_of_{row}"), &rest + &scaled, eightfold, None);
-        r.push(m.pipe(format!("r_{row}"), &sum));
+        let inside = inside.contains(&at);
+        r.push(match parameters.walked() {
+            true => of_rows(&m, parameters, level, &face, row, inside),
+            false => of_sums(&m, parameters, level, &face, row, inside),
+        });
     }
     let put = |name: String, sum: Sum| {
         let sum = m.pipelined(&format!("{name}_sum"), sum);
@@ -71,4 +60,57 @@ pub fn build(parameters: Parameters, level: u32, cells: u32, sliced: bool) -> Re
         plain(name, &pairs[k + 1]);
     }
     m.finish()
+}
+
+/// Four sums of two vertices, or the eight vertices of t.
+fn eight(m: &Builder, parameters: Parameters, level: u32, row: &str, sum: Sum) -> Signal {
+    let word = parameters.word(level);
+    let eightfold = Word { range: word.range * 8, ..word };
+    m.pipe(format!("r_{row}"), m.claim(&format!("r_of_{row}"), sum, eightfold, None))
+}
+
+/// r of a row from the sums of columns that the window keeps. Only face columns see what is not `inside`.
+fn of_sums(
+    m: &Builder,
+    parameters: Parameters,
+    level: u32,
+    face: &Signal,
+    row: &str,
+    inside: bool,
+) -> Signal {
+    let (word, sum_word) = (parameters.word(level), parameters.sum_word(level));
+    let s = m.input(format!("s_{row}"), sum_word);
+    let fourfold = m.signal(4 * &s);
+    if !inside {
+        return m.pipe(format!("r_{row}"), m.pipe(format!("w_{row}"), &fourfold));
+    }
+    let scaled = m.pipe(format!("w_{row}"), m.select(face, &fourfold, &s));
+    let old = m.input(format!("old_{row}"), sum_word);
+    let column = m.input(format!("column_{row}"), word);
+    let zero = m.constant(0, Word { range: crate::fixed::Range::point(0), ..word });
+    let rest = m.pipe(format!("u_{row}"), m.select(face, &zero, &old + 4 * &column));
+    eight(m, parameters, level, row, &rest + &scaled)
+}
+
+/// r of a row from three columns, which come a clock behind `face`; every row has a copy of that. Of 4 (c + n) or
+/// p + n + 6 c, the outer columns first.
+fn of_rows(
+    m: &Builder,
+    parameters: Parameters,
+    level: u32,
+    face: &Signal,
+    row: &str,
+    inside: bool,
+) -> Signal {
+    let word = parameters.word(level);
+    let [c, n] = ["middle", "next"].map(|column| m.input_at(format!("{column}_{row}"), word, 1));
+    if !inside {
+        let outer = m.pipe(format!("outer_{row}"), &c + &n);
+        return m.pipe(format!("r_{row}"), 4 * &outer);
+    }
+    let face = m.copy(format!("face_{row}"), face);
+    let p = m.input_at(format!("previous_{row}"), word, 1);
+    let outer = m.pipe(format!("outer_{row}"), m.select(&face, 4 * &n, &p + &n));
+    let inner = m.pipe(format!("inner_{row}"), m.select(&face, 4 * &c, 4 * &c + 2 * &c));
+    eight(m, parameters, level, row, &outer + &inner)
 }

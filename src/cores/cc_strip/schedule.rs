@@ -43,6 +43,8 @@ pub struct Group {
     pub cells: u32,
     /// The unit makes a vertex column and the face column behind it in the same clock.
     pub double: bool,
+    /// Its ends are walked around (see [`super::Parameters::walked`]).
+    pub walked: bool,
 }
 
 impl Group {
@@ -93,6 +95,7 @@ pub fn groups(schedule: Schedule, folded: bool, levels: u32, rows_per_clock: Opt
             levels: levels_here,
             cells: rows_per_clock.map_or(whole, |rows| (rows / 2).clamp(1, whole)),
             double: schedule == Schedule::Double && finest + 1 == levels,
+            walked: false,
         }
     };
     ranges.into_iter().map(group).collect()

@@ -10,12 +10,17 @@ use std::rc::Rc;
 
 use super::engine::{self, Outgoing, equals, incoming_places, producer};
 use super::output::{Offer, Output};
+use super::ring_walk::{Times, strobes};
 use super::schedule::Group;
+use super::wait::wait;
 use super::window::Producer;
-use super::{Parameters, USER_BITS, control, loader};
+use super::{Parameters, USER_BITS, control, loader, walked_control, word_stage};
 use crate::cores::loop_fd::AXES;
 use crate::error::Result;
 use crate::hdl::{Builder, Module, Placed, Signal, Word};
+
+/// Words that steer are narrower than any that is steered.
+const MOST_BITS: u32 = 5;
 
 /// A group with its control and its three engines.
 struct Stage {
@@ -23,6 +28,8 @@ struct Stage {
     /// What leaves, by axis; and the second column where the unit makes two.
     columns: [Outgoing; 3],
     second: Option<[Outgoing; 3]>,
+    /// Fans that leave by themselves, by axis: names of ports of the next window.
+    fans: [Vec<(String, Signal)>; 3],
 }
 
 pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
@@ -37,7 +44,11 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
     m.parameter("schedule", parameters.schedule);
 
     let lane = parameters.coordinates.width().next_multiple_of(8);
-    let input = m.stream_input("s_axis", lane, &AXES.map(|axis| (axis, parameters.input_word())), USER_BITS);
+    let port = m.stream_input("s_axis", lane, &AXES.map(|axis| (axis, parameters.input_word())), USER_BITS);
+    let input = if parameters.walked() { Some(word_stage::build(&m, &port)) } else { None };
+    let goes = input.as_ref().map(|stage| stage.goes.clone());
+    let free = input.as_ref().map(|stage| stage.free.clone());
+    let input = input.map_or(port, |stage| stage.word);
     let consumer = m.stream_ready("m_axis");
     let groups = parameters.groups();
 
@@ -58,9 +69,22 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
             ("idle", &idle),
         ],
     );
-    m.output("s_axis_tready", loader.out("ready"));
+    if let Some(goes) = goes {
+        m.drive(&goes, m.wire("word_goes", &input.valid & loader.out("ready")));
+    }
+    m.output("s_axis_tready", free.unwrap_or(loader.out("ready")));
     let level = loader.out("level");
 
+    // A word waits until it is known what it is.
+    let words: Vec<Signal> = input
+        .lanes
+        .iter()
+        .zip(AXES)
+        .map(|(word, axis)| match parameters.walked() {
+            true => m.restart(&m.pipe(format!("late_word_{axis}"), word), 0),
+            false => word.clone(),
+        })
+        .collect();
     let mut stages: Vec<Stage> = vec![];
     for (index, group) in groups.iter().enumerate() {
         let before = index.checked_sub(1).map(|at| (&groups[at], &stages[at]));
@@ -76,18 +100,31 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
         let never = m.bit(false);
         let next_ready = ready.get(index + 1).unwrap_or(&never);
         inputs.extend([("level", &level), ("next_ready", next_ready), ("output_ready", &output_ready)]);
-        let control = m.instance(
-            &format!("control_{index}"),
-            &control::build(index, group, parameters.registered)?,
-            &inputs,
-        );
+        let unit = match group.walked {
+            true => walked_control::build(index, group, Times::of(parameters).clocks())?,
+            false => control::build(index, group, parameters.registered)?,
+        };
+        let control = m.instance(&format!("control_{index}"), &unit, &inputs);
         m.drive(&ready[index], m.wire(format!("group_{index}_ready"), control.out("ready")));
 
         let unit = engine::build(parameters, index, &groups)?;
-        let place = |axis: usize| -> Placed {
-            let mut ports = incoming(&m, parameters, before, &control, &loader, &input.lanes[axis], axis);
+        let mut steering_late: Option<Vec<Signal>> = None;
+        let mut place = |axis: usize| -> Placed {
+            let mut ports = incoming(&m, parameters, before, &control, &loader, &words[axis], axis);
             ports.extend(steering(group, &control));
-            if parameters.registered {
+            if group.walked {
+                let times = ports.iter().filter_map(|(_, signal)| signal.time());
+                let data = before.map_or_else(
+                    || times.max().unwrap_or(0) + 3,
+                    |(_, stage)| stage.columns[axis].rows[0].time().unwrap_or(1),
+                );
+                steering_late.get_or_insert_with(|| steer_late(&m, data - 2, index, &ports));
+                let late = steering_late.iter().flatten();
+                for ((_, signal), late) in ports.iter_mut().filter(|(_, s)| is_early(s, data - 2)).zip(late) {
+                    let name = late.name().unwrap_or_default();
+                    *signal = m.copy(format!("{name}_{}", AXES[axis]), late);
+                }
+            } else if parameters.registered {
                 let data = before.map_or(1, |(_, stage)| stage.columns[axis].rows[0].time().unwrap_or(1));
                 own_copies(&m, data, AXES[axis], &mut ports);
             }
@@ -98,7 +135,8 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
         let columns =
             |prefix: &str| [0, 1, 2].map(|axis| Outgoing::of(&engines[axis], prefix, parameters, group));
         let second = group.double.then(|| columns("face"));
-        stages.push(Stage { columns: columns("out"), second, control });
+        let fans = [0, 1, 2].map(|axis| fans(parameters, group, &engines[axis]));
+        stages.push(Stage { columns: columns("out"), second, fans, control });
     }
     let offers: Vec<Offer> = groups
         .iter()
@@ -118,12 +156,22 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
     if parameters.registered {
         // Known a clock late: a word that came in then may be the last of a column.
         let was_idle = m.register_reset("was_idle", Word::bit(), 1);
-        m.always(&was_idle, &all_idle & &!loader.out("accept"));
+        let comes = loader.out("comes") | loader.out("accept");
+        m.always(&was_idle, &all_idle & &!comes);
         m.drive(&idle, &was_idle);
     } else {
         m.drive(&idle, &all_idle);
     }
     m.finish()
+}
+
+/// The fans that leave a group by themselves.
+fn fans(parameters: Parameters, group: &Group, engine: &Placed) -> Vec<(String, Signal)> {
+    if !group.walked || group.finest() + 1 == parameters.levels {
+        return vec![];
+    }
+    let names = strobes(parameters).into_iter().chain(["fan_a".to_string(), "fan_x".into()]);
+    names.map(|name| (name.clone(), engine.out(&format!("out_{name}")))).collect()
 }
 
 /// What the window of a group's first level takes in.
@@ -146,9 +194,13 @@ fn incoming(
     };
     let level = group.finest() + 1;
     let from = producer(Some(group));
-    let fans = if group.double { m.bit(true) } else { !stage.control.out("face") };
-    let mut ports =
-        vec![("in_shift".to_string(), control.out(&format!("shift_{level}"))), ("in_fans".to_string(), fans)];
+    let mut ports = vec![("in_shift".to_string(), control.out(&format!("shift_{level}")))];
+    if group.walked {
+        ports.extend(stage.fans[axis].iter().map(|(name, signal)| (format!("in_{name}"), signal.clone())));
+    } else {
+        let fans = if group.double { m.bit(true) } else { !stage.control.out("face") };
+        ports.push(("in_fans".to_string(), fans));
+    }
     let outgoing = &stage.columns[axis];
     let signals = outgoing.rows.iter().take(parameters.rows(level)).chain(&outgoing.outside);
     for (place, signal) in incoming_places(parameters, level, from).into_iter().zip(signals) {
@@ -176,6 +228,20 @@ fn own_copies(m: &Builder, data: u32, axis: &str, ports: &mut [(String, Signal)]
     }
 }
 
+/// Whether a port is for what steers an engine, and comes before a clock.
+fn is_early(signal: &Signal, clock: u32) -> bool {
+    signal.width() <= MOST_BITS && signal.time().is_some_and(|time| time < clock)
+}
+
+/// What steers the engines of a group at a later clock, by way of RAMs: control is far ahead of the data.
+fn steer_late(m: &Builder, clock: u32, index: usize, ports: &[(String, Signal)]) -> Vec<Signal> {
+    let early = ports.iter().filter(|(_, signal)| is_early(signal, clock));
+    let signals: Vec<(String, Signal)> =
+        early.map(|(port, signal)| (format!("{port}_{index}"), signal.clone())).collect();
+    let late = wait(m, &format!("steering_slot_{index}"), &signals, clock);
+    signals.iter().zip(late).map(|((name, _), signal)| m.wire(format!("{name}_steers"), &signal)).collect()
+}
+
 /// What steers the engine of a group beside the column that comes in.
 fn steering(group: &Group, control: &Placed) -> Vec<(String, Signal)> {
     let mut ports = vec![];
@@ -192,6 +258,9 @@ fn steering(group: &Group, control: &Placed) -> Vec<(String, Signal)> {
     }
     if !group.double {
         copy("face".into(), "face");
+    }
+    if group.walked {
+        copy("walk".into(), "walk");
     }
     copy("top_valence".into(), "top_degree");
     copy("bottom_valence".into(), "bottom_degree");

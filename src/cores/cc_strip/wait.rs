@@ -10,8 +10,32 @@ const CLOCKS: std::ops::RangeInclusive<u32> = 4..=17;
 
 /// The signals, which are renamed, at clock `until`. `name` is that of the counter.
 pub fn wait(m: &Builder, name: &str, signals: &[(String, Signal)], until: u32) -> Vec<Signal> {
+    // What comes earlier waits for longer, not first for the others.
+    let mut times: Vec<u32> = signals.iter().filter_map(|(_, signal)| signal.time()).collect();
+    times.sort_unstable();
+    times.dedup();
+    if times.len() > 1 {
+        let mut late: Vec<Signal> = signals.iter().map(|(_, signal)| signal.clone()).collect();
+        for time in times {
+            let here: Vec<usize> =
+                (0..signals.len()).filter(|&at| signals[at].1.time() == Some(time)).collect();
+            let group: Vec<(String, Signal)> = here.iter().map(|&at| signals[at].clone()).collect();
+            for (at, signal) in here.into_iter().zip(wait(m, &format!("{name}_{time}"), &group, until)) {
+                late[at] = signal;
+            }
+        }
+        return late;
+    }
     let from = signals.iter().filter_map(|(_, signal)| signal.time()).max().unwrap_or(0);
     let clocks = until.saturating_sub(from);
+    if clocks > *CLOCKS.end() {
+        // As many RAMs one behind the other as it takes, all of about one length.
+        let hops = clocks.div_ceil(*CLOCKS.end());
+        let late = wait(m, &format!("{name}_{hops}"), signals, from + clocks / hops);
+        let names = signals.iter().map(|(word, _)| format!("{word}_{hops}"));
+        let signals: Vec<(String, Signal)> = names.zip(late).collect();
+        return wait(m, name, &signals, until);
+    }
     if !CLOCKS.contains(&clocks) {
         return signals.iter().map(|(_, signal)| m.at_time(signal, until)).collect();
     }

@@ -12,6 +12,8 @@
 //! needed while its vertex is in the middle. From level 1 on every other column is a face column, whose ends
 //! have valence 4 and one outside vertex, which is left and right; so one fan serves a window.
 
+use std::cell::RefCell;
+use std::collections::BTreeMap;
 use std::rc::Rc;
 
 use super::Parameters;
@@ -40,6 +42,11 @@ pub fn outside_places(parameters: Parameters) -> Vec<String> {
     End::BOTH.iter().flat_map(|end| end_places(parameters, *end)).collect()
 }
 
+/// Whether a place holds an entry of a fan.
+pub fn is_fan(place: &str) -> bool {
+    place.contains("_a_") || place.contains("_x_")
+}
+
 fn end_places(parameters: Parameters, end: End) -> Vec<String> {
     let places = ["left", "right"].map(String::from).into_iter().chain(fan_names(parameters));
     places.map(|place| format!("{}_{place}", end.name())).collect()
@@ -53,6 +60,9 @@ pub const KEPT: &str = "_kept";
 /// Outputs: `next_..`, `middle_..`, `previous_..` and `fan_..`. With `sums`, for a unit that works on whole columns of
 /// this level alone, `sum_..` is next + middle, from above to below, and `previous_row_..` the sum of the two columns
 /// before, which is what the vertex column needs of the previous one.
+///
+/// Where the ends are walked around, strobes come a clock before what they are for, and every place has registers of
+/// its own for them; and a fan comes by itself, an entry a clock: `fan_a` and `fan_x`, with a strobe for every number.
 pub fn build(parameters: Parameters, level: u32, producer: Producer, sums: bool) -> Result<Rc<Module>> {
     let m = Builder::new(&format!("level_window_{level}"));
     m.purpose(format!("One coordinate of three columns of level {level} and of what lies outside of them."));
@@ -67,16 +77,21 @@ pub fn build(parameters: Parameters, level: u32, producer: Producer, sums: bool)
     let weighed = parameters.normals.is_some();
     let stage = |stage: &str, place: &str| {
         let name = format!("{stage}_{place}{kept}");
-        match weighed && (place.contains("_a_") || place.contains("_x_")) {
+        match weighed && is_fan(place) {
             true => m.register_reset(name, word, 0),
-            false => m.register(name, word),
+            false => m.register_at(name, word, None, u32::from(parameters.walked())),
         }
+    };
+    // A strobe for a place alone.
+    let own = |what: &str, place: &str, strobe: &Signal| match parameters.walked() && strobe.time() == Some(0)
+    {
+        true => m.copy(format!("{place}_{what}"), strobe),
+        false => strobe.clone(),
     };
     let keep = |name: String, sum: Sum| match parameters.registered {
         true => m.pipe(name, sum),
         false => m.wire(name, sum),
     };
-    let moved = |to: &Signal, from: &Signal| m.on(&begin, to, from);
     let put = |name: String, kept: &Signal| match guard {
         0 => m.output(name, kept),
         _ => m.output(name, m.rescale(&m.signal(kept << guard), parameters.word(level).fraction)),
@@ -87,8 +102,9 @@ pub fn build(parameters: Parameters, level: u32, producer: Producer, sums: bool)
     let mut right_of: Vec<(&str, Signal)> = vec![];
 
     for place in places(parameters, level) {
-        let is_fan = place.contains("_a_") || place.contains("_x_");
+        let is_fan = is_fan(&place);
         let (strobe, value) = incoming.at(&m, &place);
+        let strobe = own("writes", &place, &strobe);
         if is_fan && level > 0 {
             let fan = stage("fan", &place);
             m.on(&strobe, &fan, &value);
@@ -97,6 +113,8 @@ pub fn build(parameters: Parameters, level: u32, producer: Producer, sums: bool)
         }
         let next = stage("next", &place);
         m.on(&strobe, &next, &value);
+        let moves = own("moves", &place, &begin);
+        let moved = |to: &Signal, from: &Signal| m.on(&moves, to, from);
         let middle = stage(if is_fan { "fan" } else { "middle" }, &place);
         moved(&middle, &next);
         if is_fan {
@@ -132,22 +150,39 @@ pub fn build(parameters: Parameters, level: u32, producer: Producer, sums: bool)
     m.finish()
 }
 
+/// The strobes of fans that come by themselves, by their names.
+type Strobes = RefCell<BTreeMap<String, Signal>>;
+
+/// How fans come in.
+enum Fans {
+    /// Columns bring them where this is 1.
+    Along(Signal),
+    /// They come by themselves: a_i and x_i.
+    Alone([Signal; 2]),
+}
+
 /// What comes in, and when it belongs to a place.
 enum Incoming {
     Words { word: Signal },
-    Slices { cells: u32, slices: u32, rows: Vec<Signal>, writes: Vec<Signal>, fans: Signal },
+    Slices { cells: u32, slices: u32, rows: Vec<Signal>, writes: Vec<Signal>, fans: Fans, strobes: Strobes },
 }
 
 impl Incoming {
     fn new(m: &Builder, parameters: Parameters, level: u32, producer: Producer) -> Incoming {
+        let data = u32::from(parameters.walked());
         match producer {
-            Producer::Words => Incoming::Words { word: m.input("word", parameters.input_word()) },
+            Producer::Words => Incoming::Words { word: m.input_at("word", parameters.input_word(), data) },
             Producer::Slices { cells, slices } => {
                 let lanes = parameters.rows(level).min(2 * cells as usize + 1);
-                let row = |u: usize| m.input(format!("row_{u}"), parameters.word(level));
+                let value = |name: String| m.input_at(name, parameters.word(level), data);
+                let row = |u: usize| value(format!("row_{u}"));
                 let rows = (0..lanes).map(row).collect();
                 let writes = (0..slices).map(|p| m.input(format!("write_{p}"), Word::bit())).collect();
-                Incoming::Slices { cells, slices, rows, writes, fans: m.input("fans", Word::bit()) }
+                let fans = match parameters.walked() {
+                    false => Fans::Along(m.input("fans", Word::bit())),
+                    true => Fans::Alone(["fan_a", "fan_x"].map(|name| value(name.into()))),
+                };
+                Incoming::Slices { cells, slices, rows, writes, fans, strobes: Strobes::default() }
             }
         }
     }
@@ -156,19 +191,31 @@ impl Incoming {
     fn at(&self, m: &Builder, place: &str) -> (Signal, Signal) {
         match self {
             Incoming::Words { word } => (m.input(format!("write_{place}"), Word::bit()), word.clone()),
-            Incoming::Slices { cells, slices, rows, writes, fans } => {
+            Incoming::Slices { cells, slices, rows, writes, fans, strobes } => {
                 if let Some(row) = place.strip_prefix("row_").and_then(|row| row.parse::<u32>().ok()) {
                     let slice = (row / (2 * cells)).min(slices - 1);
                     let lane = (row - 2 * cells * slice) as usize;
                     return (writes[slice as usize].clone(), rows[lane].clone());
                 }
-                let value = m.input(place, rows[0].word());
+                if let (Fans::Alone(fans), true) = (fans, is_fan(place)) {
+                    // top_a_2 and top_x_2 come together.
+                    let (end, entry) = place.split_once('_').unwrap_or_default();
+                    let (kind, number) = entry.split_once('_').unwrap_or_default();
+                    let name = format!("{end}_fan_{number}");
+                    let known = strobes.borrow().get(&name).cloned();
+                    let data = rows[0].time().unwrap_or(0);
+                    let strobe = known.unwrap_or_else(|| m.input_at(&name, Word::bit(), data));
+                    strobes.borrow_mut().insert(name, strobe.clone());
+                    return (strobe, fans[usize::from(kind == "x")].clone());
+                }
+                let value = m.input_at(place, rows[0].word(), rows[0].time().unwrap_or(0));
                 // The top leaves with the first slice, the bottom with the last.
                 let write =
                     if place.starts_with(End::Top.name()) { &writes[0] } else { &writes[writes.len() - 1] };
-                let is_fan = place.contains("_a_") || place.contains("_x_");
-                let strobe = if is_fan { write & fans } else { write.clone() };
-                (strobe, value)
+                match fans {
+                    Fans::Along(fans) if is_fan(place) => (write & fans, value),
+                    _ => (write.clone(), value),
+                }
             }
         }
     }

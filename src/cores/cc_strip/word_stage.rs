@@ -1,0 +1,43 @@
+//! The word that waits before the loader of a walked core.
+//!
+//! ```text
+//! s_axis ──► word, full ──► judged: the loader has had a clock to look at it ──► taken
+//! ```
+//!
+//! A word takes three clocks at least, of which a column of a fine strip has many.
+
+use crate::hdl::{Builder, Signal, StreamInput, Word};
+
+/// The word, and what moves it.
+pub struct WordStage {
+    pub word: StreamInput,
+    /// To be driven: the word is taken.
+    pub goes: Signal,
+    /// There is none.
+    pub free: Signal,
+}
+
+/// The stage behind a port.
+pub fn build(m: &Builder, port: &StreamInput) -> WordStage {
+    let [full, judged] =
+        ["word_is_here", "word_is_judged"].map(|name| m.register_reset(name, Word::bit(), 0));
+    let goes = m.forward("word_is_taken", Word::bit());
+    let free = m.wire("word_is_free", !&full);
+    m.on(&goes, &full, m.bit(false));
+    m.on(&port.valid, &full, m.bit(true));
+    m.on(&goes, &judged, m.bit(false));
+    m.on(&full, &judged, m.bit(true));
+    let keep = |name: &str, signal: &Signal| {
+        let register = m.register(format!("word_{name}"), signal.word());
+        m.on(&free, &register, signal);
+        register
+    };
+    let lanes = port.lanes.iter().zip(["x", "y", "z"]).map(|(lane, axis)| keep(axis, lane)).collect();
+    let word = StreamInput {
+        lanes,
+        user: keep("user", &port.user),
+        last: keep("is_last", &port.last),
+        valid: judged,
+    };
+    WordStage { word, goes, free }
+}
