@@ -303,11 +303,7 @@ impl Fold<'_> {
 }
 
 /// Finds pins for the nets, and the table; unused pins are 1.
-fn fit(
-    nets: &[u64],
-    passes: &dyn Fn(&dyn Fn(u64) -> bool) -> bool,
-    generates: &dyn Fn(&dyn Fn(u64) -> bool) -> bool,
-) -> Option<([Option<u64>; 4], u16)> {
+fn fit(nets: &[u64], passes: &Truth, generates: &Truth) -> Option<([Option<u64>; 4], u16)> {
     if nets.len() > 4 {
         return None;
     }
@@ -340,6 +336,9 @@ fn orders() -> impl Iterator<Item = [usize; 4]> {
         .filter(|order| (0..4).all(|place| order.contains(&place)))
 }
 
+/// What is true for the values of nets.
+type Truth<'a> = dyn Fn(&dyn Fn(u64) -> bool) -> bool + 'a;
+
 /// A function of some nets: its table has the first net at the lowest place.
 #[derive(Clone, Debug, PartialEq, Eq)]
 struct Function {
@@ -371,7 +370,7 @@ impl Function {
         Function::of(cell, pins, table(cell, &format!("INIT{half}"))?)
     }
 
-    fn tabled(nets: Vec<u64>, at: &dyn Fn(&dyn Fn(u64) -> bool) -> bool) -> Function {
+    fn tabled(nets: Vec<u64>, at: &Truth) -> Function {
         let mut function = Function { nets, table: 0 };
         for assignment in 0..1u64 << function.nets.len() {
             let nets = &function.nets;

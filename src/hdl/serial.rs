@@ -247,7 +247,7 @@ fn translate(digits: &Digits, module: &Module, id: NodeId, values: &[Option<Valu
             let (yes, no) = (yes?, no?);
             let time = yes.time().max(no.time()).unwrap_or(0);
             let condition = m.at_time(condition, time);
-            Value::Number(m.select(&condition, &m.at_time(&yes, time), &m.at_time(&no, time)))
+            Value::Number(m.select(&condition, m.at_time(&yes, time), m.at_time(&no, time)))
         }
         Cell::Register { next: Some(next), enable: None, reset: None } => match of(*next)? {
             Value::Number(digit) => Value::Number(name(m.pipe("stage", digit))),

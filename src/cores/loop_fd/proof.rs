@@ -360,7 +360,7 @@ impl Run {
         }
         let mut compared = 0;
         for (ids, expected) in self.vertices.iter().zip(&beat.vertices) {
-            for ((&id, expected), axis) in ids.iter().zip(expected.into_iter().flatten()).zip(AXES) {
+            for ((&id, expected), axis) in ids.iter().zip(expected.iter().flatten()).zip(AXES) {
                 let value = self.simulator.get(id);
                 if let (true, Some(bounds)) = (reduced, within(value, expected)) {
                     *error = Some(error.map_or(bounds, |all: ErrorBounds| all.union(bounds)));

@@ -10,6 +10,9 @@ use crate::hdl::serial::following;
 use crate::hdl::skew::{LEAD, SkewedPorts, skew};
 use crate::hdl::{Builder, Module, Signal, Word};
 
+/// Signals by the names of the ports that they go to.
+type Named = Vec<(String, Signal)>;
+
 /// Clocks from what is common to all coordinates to each of them.
 pub const HOP: u32 = 1;
 
@@ -56,7 +59,7 @@ pub fn build(parameters: Parameters, lanes: u32) -> Result<Rc<Module>> {
         let nearer = |signals: &mut dyn Iterator<Item = &(String, Signal)>| -> Vec<(String, Signal)> {
             signals.map(|(name, signal)| (name.clone(), nearer(&m, axis, name, signal))).collect()
         };
-        let (mut says, mut turns): (Vec<(String, Signal)>, Vec<(String, Signal)>) = (vec![], vec![]);
+        let (mut says, mut turns): (Named, Named) = (vec![], vec![]);
         if parameters.digit().is_some() {
             // Each of the three goes on through all digits; where it does stands in a register, and from there goes near.
             let through = |name: &str, pulses: &[&Signal]| {
