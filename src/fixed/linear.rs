@@ -195,6 +195,13 @@ mod tests {
         assert!(times(43).shift_right(7, BYTE).is_some());
         let wide = Range::new(-128, 1 << 12);
         assert!(times(43).shift_right(7, wide).is_none());
+        // What was added behind the floor goes into it, where it was multiplied too.
+        let biased = Form { addend: 171 * 5, ..times(171) }.shift_right(9, BYTE).unwrap();
+        assert_eq!((biased.constant, biased.divisor, biased.addend), (128 + 2 * 5, 6, 0));
+        for v in -128..=127i128 {
+            assert_eq!((((v + 128) >> 1) * 171 + 171 * 5) >> 9, (v + 138).div_euclid(6));
+        }
+        assert!(Form { addend: 171 * 5 + 1, ..times(171) }.shift_right(9, BYTE).is_none());
     }
 
     #[test]

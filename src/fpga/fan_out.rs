@@ -61,3 +61,47 @@ fn redirect(bits: &mut Value, from: u64, to: u64) {
         *bit = json!(to);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn module(readers: u64) -> Value {
+        let register = |input: u64, out: u64| {
+            json!({
+                "type": "TRELLIS_FF",
+                "port_directions": { "DI": "input", "Q": "output" },
+                "connections": { "DI": [input], "Q": [out] },
+            })
+        };
+        let mut cells = Map::new();
+        cells.insert("before".into(), register(2, 3));
+        cells.insert("source".into(), register(3, 4));
+        (0..readers).for_each(|n| drop(cells.insert(format!("reader{n:04}"), register(4, 10 + n))));
+        json!({ "ports": { "y": { "direction": "output", "bits": [4] } }, "cells": cells })
+    }
+
+    #[test]
+    fn no_register_has_more_readers_than_it_may_and_all_read_the_same() {
+        for readers in [24, 25, 700] {
+            let mut copied = module(readers);
+            let copies = copy_registers(&mut copied);
+            let nets = Nets::of(&copied);
+            assert_eq!(copies > 0, readers > 24);
+            for (bit, readers) in &nets.readers {
+                assert!(*bit == 2 || cells_of(readers).count() <= MOST_READERS, "{bit}");
+            }
+            // Back to the input, each in three steps.
+            for n in 0..readers {
+                let mut name = format!("reader{n:04}");
+                let mut steps = 0;
+                while let Some(input) = net(&copied["cells"][&name], "DI") {
+                    let Some((driver, _)) = nets.drivers.get(&input) else { break };
+                    (name, steps) = (driver.clone(), steps + 1);
+                }
+                assert_eq!(steps, 2);
+            }
+            assert_eq!(copied["ports"], module(readers)["ports"]);
+        }
+    }
+}

@@ -441,3 +441,6 @@ fn half_of(name: &str, port: &str) -> Option<Half> {
     (INPUTS.contains(&input) && (half == "0" || half == "1"))
         .then(|| (name.to_string(), usize::from(half == "1")))
 }
+
+#[cfg(test)]
+mod tests;

@@ -251,8 +251,8 @@ mod tests {
             "  assign \\a[1]  = a[1];",
             "  assign y[0] = \\$4 ;",
             "  assign y[1] = 1'b0;",
-            "LUT4 #(.CEMUX(\"1\"), .INIT(4'b0110), .MODE(\"INV\"), .SIZE(3)) \\unit.y_LUT4_Z ",
-            "(.A({1'b1, \\a[0] , \\a[1] }), .COUT({unread_0}), .Z({\\$4 }));",
+            "LUT4 #(.INIT(4'b0110), .CEMUX(\"1\"), .MODE(\"INV\"), .SIZE(3)) \\unit.y_LUT4_Z ",
+            "(.A({1'b1, \\a[0] , \\a[1] }), .Z({\\$4 }), .COUT({unread_0}));",
         ] {
             assert!(structure.text.contains(part), "{part} is missing in\n{}", structure.text);
         }
