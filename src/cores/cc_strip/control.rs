@@ -20,7 +20,7 @@ use super::{LEVEL_BITS, VALENCE_BITS};
 use crate::error::Result;
 use crate::hdl::{Builder, Module, Signal, Word};
 
-/// The register of [`super::walked_control`] that counts for how many clocks more the window stands.
+/// The register of the control of a walked core that counts for how many clocks more the window stands.
 pub const WALKS: &str = "clocks_of_walk";
 
 /// What goes with a column or a slice of it.

@@ -21,7 +21,7 @@
 //! a patch, bit 1 the last.
 //!
 //! **Lanes**, where [`Parameters::lanes`] asks for K of them: for every Kth strip i the vertices p(i,j) ... p(i+K,j) in a
-//! beat, j = 0 .. 2^rho - i, as far as they exist (`tkeep`); `tlast` where j ends. See [`lanes`].
+//! beat, j = 0 .. 2^rho - i, as far as they exist (`tkeep`); `tlast` where j ends.
 //!
 //! **Numbers**: all differences are integers over the common denominator, kept modulo 2^B with
 //! B = W + 4R + 4. The basis is non-negative with sum 1, so every vertex fits B bits, and a linear
