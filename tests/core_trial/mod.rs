@@ -8,7 +8,18 @@ use subdiv_rtl::cosim::loop_trial::LoopTrial;
 use subdiv_rtl::cosim::{Builtin, External, Model, Settings, Simulator, Stall, Stimulus, Tool};
 use subdiv_rtl::hdl::{Module, verilog};
 
-pub fn check(parameters: Parameters, simulator: &dyn Fn(&Rc<Module>) -> Box<dyn Simulator>) {
+/// Nothing stalls, both sides do, only the consumer does.
+const STALLS: [(Stall, Stall); 3] = [
+    (Stall::None, Stall::None),
+    (Stall::Bursts, Stall::Random { percent: 40 }),
+    (Stall::None, Stall::Bursts),
+];
+
+fn check(
+    parameters: Parameters,
+    stalls: &[(Stall, Stall)],
+    simulator: &dyn Fn(&Rc<Module>) -> Box<dyn Simulator>,
+) {
     let core = build(parameters).unwrap();
     let files = verilog::print(&core, "subdiv-rtl generate loop-fd").unwrap();
     let dut = device(&core, &files);

@@ -197,7 +197,10 @@ pub fn loop_fd(parameters: cores::loop_fd::Parameters) -> Result<Subject> {
         name: "loop-fd".into(),
         command: package::loop_fd::command(parameters),
         module: cores::loop_fd::build(parameters)?,
-        throughput: Throughput { what: "triangles".into(), per_clock: 2.0 },
+        throughput: Throughput {
+            what: "triangles".into(),
+            per_clock: f64::from(2 * parameters.lanes.unwrap_or(1)),
+        },
     })
 }
 

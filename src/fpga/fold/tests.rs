@@ -1,3 +1,5 @@
+//! Small netlists folded, and run for many inputs before and after.
+
 use super::*;
 
 /// Inputs of the module are bits 2 to 19, its outputs 100 on; 3 bits of a, b and n, and the choice.
