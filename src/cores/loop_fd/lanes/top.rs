@@ -16,9 +16,14 @@ type Named = Vec<(String, Signal)>;
 /// Clocks from what is common to all coordinates to each of them.
 pub const HOP: u32 = 1;
 
-/// A register of its own for each coordinate, so that nothing is decided on the way there.
-fn nearer(m: &Builder, axis: &str, name: &str, signal: &Signal) -> Signal {
-    m.copy(format!("{axis}_{name}"), signal)
+/// A register of its own for each coordinate, so that nothing is decided on the way there. Whole, what steers is reset:
+/// the proof follows no unknown choice; in digits, what it would steer has not come yet.
+fn nearer(m: &Builder, parameters: Parameters, axis: &str, name: &str, signal: &Signal) -> Signal {
+    let name = format!("{axis}_{name}");
+    if parameters.digit().is_none() && signal.width() == 1 {
+        return m.unmerged(m.pipe_reset(name, signal, 0));
+    }
+    m.copy(name, signal)
 }
 
 pub fn build(parameters: Parameters, lanes: u32) -> Result<Rc<Module>> {
@@ -57,7 +62,7 @@ pub fn build(parameters: Parameters, lanes: u32) -> Result<Rc<Module>> {
     let mut vertices: Vec<Vec<Signal>> = vec![];
     for (axis, capture) in AXES.iter().zip(&captures) {
         let nearer = |signals: &mut dyn Iterator<Item = &(String, Signal)>| -> Vec<(String, Signal)> {
-            signals.map(|(name, signal)| (name.clone(), nearer(&m, axis, name, signal))).collect()
+            signals.map(|(name, signal)| (name.clone(), nearer(&m, parameters, axis, name, signal))).collect()
         };
         let (mut says, mut turns): (Named, Named) = (vec![], vec![]);
         if parameters.digit().is_some() {
