@@ -1,14 +1,14 @@
 //! `loop-fd` with reduced numbers: hardware and reference agree bit for bit in every format, and in every
 //! simulator that is here, on hard packets under stalls.
 
+mod core_trial;
+
 use subdiv_rtl::Kind;
 use subdiv_rtl::cores::loop_fd::proof::{prove, prove_flat};
 use subdiv_rtl::cores::loop_fd::{Parameters, RegisterForm, build};
-use subdiv_rtl::cosim::loop_bench::{device, extra_fraction};
-use subdiv_rtl::cosim::loop_trial::LoopTrial;
-use subdiv_rtl::cosim::{Builtin, External, Model, Simulator, Stall, Stimulus, Tool};
+use subdiv_rtl::cosim::loop_bench::extra_fraction;
 use subdiv_rtl::fixed::{Precision, Reduced, Rounding};
-use subdiv_rtl::hdl::{Flat, verilog};
+use subdiv_rtl::hdl::Flat;
 use subdiv_rtl::surface::precision::total_lsb;
 
 /// Coordinates, output fraction, levels, registers, fractions, saturation.
@@ -41,51 +41,16 @@ fn parameters(design: Design, rounding: Rounding) -> Parameters {
         .unwrap()
 }
 
-fn check(
-    parameters: Parameters,
-    simulator: &dyn Fn(&std::rc::Rc<subdiv_rtl::hdl::Module>) -> Box<dyn Simulator>,
-) {
-    let core = build(parameters).unwrap();
-    let files = verilog::print(&core, "subdiv-rtl generate loop-fd").unwrap();
-    let dut = device(&core, &files);
-    for (seed, (gaps, back_pressure)) in
-        [(Stall::None, Stall::None), (Stall::Bursts, Stall::Random { percent: 40 })].into_iter().enumerate()
-    {
-        let trial = LoopTrial::random(&core, parameters, seed as u64 + 1).unwrap();
-        let stimulus = Stimulus::new(trial.input.clone(), trial.expected.clone());
-        let mut stimulus = Stimulus { gaps, back_pressure, seed: 3, ..stimulus };
-        stimulus.expected_clocks = Some(trial.clocks(&core, &stimulus).total);
-        let outcome = simulator(&core).run(&dut, &stimulus).unwrap();
-        assert_eq!(outcome.failures, [], "{parameters:?}, {gaps}, {back_pressure}");
-        assert!(outcome.beats > 0);
-    }
-}
-
 #[test]
 fn the_built_in_simulator_agrees_in_every_format_and_mode() {
-    for design in DESIGNS {
-        for rounding in Rounding::TOTAL {
-            check(parameters(design, rounding), &|core| {
-                let core = core.clone();
-                Box::new(Builtin::new(move || Model::new(&core)))
-            });
-        }
-    }
+    let each = |design| Rounding::TOTAL.map(|rounding| parameters(design, rounding));
+    core_trial::built_in(DESIGNS.into_iter().flat_map(each).collect());
 }
 
 #[test]
 fn verilator_and_icarus_agree_too() {
-    for tool in [Tool::Verilator, Tool::Icarus] {
-        let settings = subdiv_rtl::cosim::Settings::default();
-        if let Err(error) = External::new(tool, settings.clone()).version() {
-            println!("skipped: {error}");
-            continue;
-        }
-        for (index, design) in DESIGNS.into_iter().enumerate() {
-            let rounding = Rounding::TOTAL[index % 4];
-            check(parameters(design, rounding), &|_| Box::new(External::new(tool, settings.clone())));
-        }
-    }
+    let modes = Rounding::TOTAL.into_iter().cycle();
+    core_trial::installed(DESIGNS.into_iter().zip(modes).map(|(d, mode)| parameters(d, mode)).collect());
 }
 
 #[test]

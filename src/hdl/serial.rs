@@ -7,10 +7,10 @@
 //!   first      1      0        0            0              (a clock earlier: see LEAD)
 //! ```
 //!
-//! An adder keeps its carry in a register between digits. A shift to the left by whole
-//! digits is a delay with zeros in the lowest ones; by bits, a register for those that cross over. The digits of a
-//! number are those of a word of n of them: numbers that a module keeps in narrower words, and that fit those, have
-//! their sign in the digits above. Such words are proved to hold their numbers; here they cost nothing.
+//! An adder keeps its carry in a register between digits. A shift to the left by whole digits is a delay with zeros in
+//! the lowest ones; by bits, a register for those that cross over. The digits of a number are those of a word of n of
+//! them: numbers that a module keeps in narrower words, and that fit those, have their sign in the digits above. Such
+//! words are proved to hold their numbers; here they cost nothing.
 //!
 //! A number in digits on a bus of one digit is a number in [skewed](super::skew) chunks, of which chunk c comes at clock
 //! t + c; so that a module in chunks can read it without anything between.
@@ -30,6 +30,7 @@ pub struct Digits {
     size: u32,
     /// 1 in the clock of digit j of numbers of the clock that `flags[0]` is of.
     flags: Vec<Signal>,
+    /// 1 in the clocks of last digits, and between numbers.
     done: Signal,
 }
 
@@ -48,11 +49,6 @@ impl Digits {
     /// The sum of two numbers of the clock after `first`.
     pub fn sum(&self, a: &Signal, b: &Signal) -> Signal {
         self.add([(a, false), (b, false)])
-    }
-
-    /// A number of the clock after `first` times 2^`bits`, fewer than a digit has.
-    pub fn times(&self, digit: &Signal, bits: u32) -> Signal {
-        self.shift_bits(digit, bits)
     }
 
     /// A flag at the clock of a number.
@@ -100,7 +96,7 @@ impl Digits {
     }
 
     /// The number times 2^`bits`, fewer than a digit has.
-    fn shift_bits(&self, digit: &Signal, bits: u32) -> Signal {
+    pub fn shift_bits(&self, digit: &Signal, bits: u32) -> Signal {
         if bits == 0 {
             return digit.clone();
         }

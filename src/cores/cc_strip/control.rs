@@ -34,6 +34,34 @@ pub(super) struct Flags {
     pub valences: [Signal; 2],
 }
 
+/// The inputs of the control of a group, of either kind.
+pub(super) struct Ports {
+    pub valid: Signal,
+    pub incoming: Flags,
+    /// The level that the strip asks for.
+    pub wanted: Signal,
+    pub next_ready: Signal,
+    pub output_ready: Signal,
+}
+
+impl Ports {
+    pub fn new(m: &Builder) -> Ports {
+        let bit = |name: &str| m.input(name, Word::bit());
+        let valid = bit("valid");
+        let valence = Word::unsigned(VALENCE_BITS);
+        let incoming = Flags {
+            begins: bit("begins"),
+            ends: bit("ends"),
+            first: bit("first"),
+            last: bit("last"),
+            valences: ["top", "bottom"].map(|end| m.input(format!("{end}_valence"), valence)),
+        };
+        let wanted = m.input("level", Word::unsigned(LEVEL_BITS));
+        let [next_ready, output_ready] = ["next_ready", "output_ready"].map(bit);
+        Ports { valid, incoming, wanted, next_ready, output_ready }
+    }
+}
+
 /// Inputs: what comes in (`valid`, `begins`, `ends`, `first`, `last`, `top_valence`, `bottom_valence`), the `level`
 /// that the strip asks for, `next_ready` and `output_ready`.
 /// Outputs: `ready`, `shift_l` and `write_l` for each level, `serve_l`, `slice`, `face`, the valences of the middle
@@ -44,18 +72,7 @@ pub(super) struct Flags {
 pub fn build(index: usize, group: &Group, registered: bool) -> Result<Rc<Module>> {
     let m = Builder::new(&format!("strip_control_{index}"));
     m.purpose("Moves the windows of a group of levels and says which column leaves.");
-    let bit = |name: &str| m.input(name, Word::bit());
-    let valid = bit("valid");
-    let valence = Word::unsigned(VALENCE_BITS);
-    let incoming = Flags {
-        begins: bit("begins"),
-        ends: bit("ends"),
-        first: bit("first"),
-        last: bit("last"),
-        valences: ["top", "bottom"].map(|end| m.input(format!("{end}_valence"), valence)),
-    };
-    let wanted = m.input("level", Word::unsigned(LEVEL_BITS));
-    let [next_ready, output_ready] = ["next_ready", "output_ready"].map(bit);
+    let Ports { valid, incoming, wanted, next_ready, output_ready } = Ports::new(&m);
 
     let levels: Vec<Level> = group.levels.clone().map(|level| Level::new(&m, level, group.double)).collect();
     let to_output: Vec<Signal> = levels
@@ -84,7 +101,7 @@ pub fn build(index: usize, group: &Group, registered: bool) -> Result<Rc<Module>
     let face = if group.double { m.bit(false) } else { of_served("is_face", &|l| !&l.vertex) };
     let degrees =
         [0, 1].map(|end| of_served(["top_degree", "bottom_degree"][end], &|l| l.middle[end].clone()));
-    let regular = m.constant(4, valence);
+    let regular = m.constant(4, Word::unsigned(VALENCE_BITS));
     let leaving = Flags {
         begins: turn.first_slice.clone(),
         ends: m.wire("leaves_whole", any(&m, &turn.done)),

@@ -10,10 +10,10 @@
 
 use std::rc::Rc;
 
-use super::control::{Flags, Level, WALKS};
+use super::VALENCE_BITS;
+use super::control::{Flags, Level, Ports, WALKS};
 use super::engine::slice_bits;
 use super::schedule::Group;
-use super::{LEVEL_BITS, VALENCE_BITS};
 use crate::error::Result;
 use crate::hdl::{Builder, Module, Signal, Word};
 
@@ -22,18 +22,7 @@ use crate::hdl::{Builder, Module, Signal, Word};
 pub fn build(index: usize, group: &Group, walks: u32) -> Result<Rc<Module>> {
     let m = Builder::new(&format!("strip_control_{index}"));
     m.purpose("Moves the window of a level and says which column leaves.");
-    let bit = |name: &str| m.input(name, Word::bit());
-    let valid = bit("valid");
-    let valence = Word::unsigned(VALENCE_BITS);
-    let incoming = Flags {
-        begins: bit("begins"),
-        ends: bit("ends"),
-        first: bit("first"),
-        last: bit("last"),
-        valences: ["top", "bottom"].map(|end| m.input(format!("{end}_valence"), valence)),
-    };
-    let wanted = m.input("level", Word::unsigned(LEVEL_BITS));
-    let [next_ready, output_ready] = ["next_ready", "output_ready"].map(bit);
+    let Ports { valid, incoming, wanted, next_ready, output_ready } = Ports::new(&m);
     let l = group.finest();
     let level = Level::new(&m, l, false);
     // The level of a strip stands before its first column leaves.
@@ -84,7 +73,7 @@ pub fn build(index: usize, group: &Group, walks: u32) -> Result<Rc<Module>> {
     let rests = m.wire("rests", !(&level.leaves | &whole));
 
     let face = m.wire("is_face", !&level.vertex);
-    let regular = m.constant(4, valence);
+    let regular = m.constant(4, Word::unsigned(VALENCE_BITS));
     m.output("ready", m.wire("ready", &rests & !&stands));
     m.output(format!("shift_{l}"), m.wire(format!("shift_{l}"), &valid & &incoming.begins));
     m.output(format!("write_{l}"), m.wire(format!("write_{l}"), &valid));

@@ -31,9 +31,9 @@ fn higher((k, l): (u32, u32)) -> Option<((u32, u32), u32)> {
 /// to the next column. A clock later, `last_l` are the differences D0l of the column before, `next_l` those of the
 /// next one, and `fourth` is D13.
 ///
-/// In digits, `turn` comes a clock ([`LEAD`]) before the first one of a load or an advance, and as early say what to do
-/// with each digit `waiting_turns` when one is captured or loaded, `outer_turns` when one is loaded or advanced, `loading`
-/// which of the two.
+/// In digits, `turn` comes a clock ([`LEAD`]) before the first one of a load or an advance. As early, through all digits,
+/// come `waiting_turns` (one is captured or loaded), `outer_turns` (one is loaded or advanced) and `loading` (which of the
+/// two).
 pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
     let m = Builder::new("outer_differences");
     m.purpose("Outer differences of one coordinate: the heads of the columns, one after the other.");
@@ -108,7 +108,7 @@ fn in_digits(m: &Builder, parameters: Parameters, size: u32) {
         let start = m.select(&loading, &waiting[kl], lowest);
         let next = match higher(*kl) {
             Some((of, shift)) => {
-                let of = digits.times(&first[&of], shift);
+                let of = digits.shift_bits(&first[&of], shift);
                 let of = m.select(&loading, m.constant(0, word), &of);
                 digits.sum(&start, &of)
             }

@@ -59,6 +59,9 @@ pub fn build(parameters: Parameters, lanes: u32) -> Result<Rc<Module>> {
         Some(chunk) => skew(&columns, chunk, SkewedPorts { inputs: true, outputs: false })?,
         None => columns,
     };
+    let [load, advance] = [&steps[0].1, &steps[1].1];
+    let turn = m.wire("turn", load | advance);
+    let [loads, advances] = [load, advance].map(|pulse| following(&m, pulse, parameters.digits(), None));
     let mut vertices: Vec<Vec<Signal>> = vec![];
     for (axis, capture) in AXES.iter().zip(&captures) {
         let nearer = |signals: &mut dyn Iterator<Item = &(String, Signal)>| -> Vec<(String, Signal)> {
@@ -67,18 +70,15 @@ pub fn build(parameters: Parameters, lanes: u32) -> Result<Rc<Module>> {
         let (mut says, mut turns): (Named, Named) = (vec![], vec![]);
         if parameters.digit().is_some() {
             // Each of the three goes on through all digits; where it does stands in a register, and from there goes near.
-            let through = |name: &str, pulses: &[&Signal]| {
-                let flags = pulses.iter().flat_map(|pulse| following(&m, pulse, parameters.digits(), None));
-                let flags: Vec<Signal> = flags.collect();
-                let through =
-                    m.pipe(format!("{axis}_{name}_ahead"), m.any(&flags.iter().collect::<Vec<_>>()));
-                (name.to_string(), through)
+            let through = |name: &str, pulses: &[&[Signal]]| {
+                let ahead = m.any(&pulses.iter().copied().flatten().collect::<Vec<_>>());
+                (name.to_string(), m.pipe(format!("{axis}_{name}_ahead"), ahead))
             };
-            let [load, advance] = [&steps[0].1, &steps[1].1];
-            says.push(("turn".into(), m.wire("turn", load | advance)));
-            turns.push(through("waiting_turns", &[capture, load]));
-            turns.push(through("outer_turns", &[load, advance]));
-            turns.push(through("loading", &[load]));
+            let capture = following(&m, capture, parameters.digits(), None);
+            says.push(("turn".into(), turn.clone()));
+            turns.push(through("waiting_turns", &[&capture, &loads]));
+            turns.push(through("outer_turns", &[&loads, &advances]));
+            turns.push(through("loading", &[&loads]));
         } else {
             says.push(("capture".into(), capture.clone()));
             says.extend(steps.iter().cloned());
