@@ -7,7 +7,10 @@ use subdiv_rtl::cores::loop_fd::proof::prove;
 use subdiv_rtl::cores::loop_fd::{Parameters, RegisterForm, build};
 
 /// Lanes, bits of a chunk, coarsest and finest level.
-const CORES: [(u32, Option<u32>, u32, u32); 8] = [
+const CORES: [(u32, Option<u32>, u32, u32); 11] = [
+    (1, None, 0, 3),
+    (1, None, 6, 6),
+    (1, Some(15), 6, 6),
     (1, Some(16), 0, 3),
     (2, None, 0, 3),
     (3, Some(8), 2, 4),
@@ -39,7 +42,7 @@ fn verilator_and_icarus_agree_too() {
 
 #[test]
 fn every_number_of_lanes_is_proved() {
-    for (lanes, low, high) in [(1, 0, 4), (2, 0, 3), (3, 2, 4), (5, 0, 3), (8, 4, 4), (32, 0, 2)] {
+    for (lanes, low, high) in [(1, 0, 4), (1, 6, 6), (2, 0, 3), (3, 2, 4), (5, 0, 3), (8, 4, 4), (32, 0, 2)] {
         let parameters = core(lanes, None, low, high);
         let proof = prove(&build(parameters).unwrap(), parameters).unwrap();
         assert!(proof.coordinates > 0 && !proof.claims.is_empty(), "{lanes} lanes");

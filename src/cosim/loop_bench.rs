@@ -196,10 +196,15 @@ pub fn depths(core: &Module) -> loop_fd_clocks::Depths {
     let declared = |name: &str| -> Option<u32> {
         core.parameters.iter().find(|(parameter, _)| parameter == name)?.1.parse().ok()
     };
-    let lanes = declared("lanes").map(|count| Lanes { count, digits: declared("digits").unwrap_or(1) });
+    let lanes = declared("lanes").map(|count| Lanes {
+        count,
+        digits: declared("digits").unwrap_or(1),
+        waits: declared("waiting_patches") == Some(1),
+    });
     let engine = instance(if lanes.is_some() { "columns_x" } else { "engine_x" });
     let engine = engine.and_then(|i| Some(i.module.latency(i.module.outputs.first()?)));
-    let rounder = engine.unwrap_or(0) + lanes.map_or(0, |_| HOP);
+    // One lane sends its columns on their way a clock after the outer differences.
+    let rounder = engine.unwrap_or(0) + lanes.map_or(0, |lanes| HOP + u32::from(lanes.count == 1));
     let fifo = instance("output_fifo").and_then(|i| i.module.memories.first()).map_or(1, |m| m.depth);
     // A patch is there with its last digit; the first one comes a clock behind the pulse that announces it.
     let startup = match lanes.map_or(1, |lanes| lanes.digits) {

@@ -48,7 +48,13 @@ impl Digits {
 
     /// The sum of two numbers of the clock after `first`.
     pub fn sum(&self, a: &Signal, b: &Signal) -> Signal {
-        self.add([(a, false), (b, false)])
+        self.add([(a, false), (b, false)], None)
+    }
+
+    /// The sum where it is taken only while `when` is 1, through all digits: its carry steps with the registers that take
+    /// it, so that they fit into one place.
+    pub fn sum_when(&self, when: &Signal, a: &Signal, b: &Signal) -> Signal {
+        self.add([(a, false), (b, false)], Some(when))
     }
 
     /// A flag at the clock of a number.
@@ -57,7 +63,7 @@ impl Digits {
     }
 
     /// The sum of two digits that come at one time, or the difference: either may be inverted.
-    fn add(&self, [a, b]: [(&Signal, bool); 2]) -> Signal {
+    fn add(&self, [a, b]: [(&Signal, bool); 2], when: Option<&Signal>) -> Signal {
         let m = &self.m;
         let time = a.0.time().max(b.0.time()).unwrap_or(0);
         let bits = |(digit, inverted): (&Signal, bool)| {
@@ -71,7 +77,11 @@ impl Digits {
         let carry_in = m.select(&m.at_time(&self.flags[0], time), &start, &carry);
         let (a, b) = (m.concat(&[&bits(a), &one]), m.concat(&[&bits(b), &carry_in]));
         let sum = m.wrap(&a + &b, Word::unsigned(self.size + 2));
-        m.always(&carry, m.slice(&sum, self.size + 1, 1));
+        let carry_out = m.slice(&sum, self.size + 1, 1);
+        match when {
+            Some(when) => m.on(when, &carry, &carry_out),
+            None => m.always(&carry, &carry_out),
+        }
         m.slice(&sum, 1, self.size)
     }
 
@@ -293,9 +303,9 @@ fn sum(
     let zero = |digit: &Signal| digits.m.constant(0, digit.word());
     let mut operands = operands.into_iter();
     let Some((first, inverted)) = operands.next() else { return Ok(digits.constant(0, 0)) };
-    let mut sum = if inverted { digits.add([(&zero(&first), false), (&first, true)]) } else { first };
+    let mut sum = if inverted { digits.add([(&zero(&first), false), (&first, true)], None) } else { first };
     for (digit, inverted) in operands {
-        sum = digits.add([(&sum, false), (&digit, inverted)]);
+        sum = digits.add([(&sum, false), (&digit, inverted)], None);
     }
     Ok(sum)
 }

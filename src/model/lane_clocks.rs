@@ -1,5 +1,7 @@
 //! The control of lanes without their data: when the heads of the next strips are made, and when rows are sent.
 
+use super::single_lane_clocks::SingleControl;
+
 /// K neighbouring strips at once.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Lanes {
@@ -7,6 +9,8 @@ pub struct Lanes {
     pub count: u32,
     /// Clocks of a step of the outer differences.
     pub digits: u32,
+    /// Whether a patch may wait while another one runs.
+    pub waits: bool,
 }
 
 impl Lanes {
@@ -17,9 +21,53 @@ impl Lanes {
     }
 }
 
-/// The state between clocks.
+/// The control of one lane, or of several.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Control {
+pub(super) enum Control {
+    One(SingleControl),
+    Several(GroupControl),
+}
+
+/// What control tells in a clock.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Told {
+    /// The waiting patch is taken.
+    pub taken: bool,
+    /// Another patch may come.
+    pub released: bool,
+}
+
+impl Control {
+    pub fn new(lanes: Lanes) -> Control {
+        match lanes.count {
+            1 => Control::One(SingleControl::new(lanes)),
+            _ => Control::Several(GroupControl::new(lanes)),
+        }
+    }
+
+    /// Whether a row is sent in this clock.
+    pub fn issues(&self, has_room: bool) -> bool {
+        match self {
+            Control::One(control) => control.issues(has_room),
+            Control::Several(control) => control.issues(has_room),
+        }
+    }
+
+    /// One clock.
+    pub fn clock(&mut self, now: u64, has_room: bool, waiting: Option<u32>) -> Told {
+        match self {
+            Control::One(control) => control.clock(now, has_room, waiting),
+            Control::Several(control) => {
+                let taken = control.clock(now, has_room, waiting);
+                Told { taken, released: taken }
+            }
+        }
+    }
+}
+
+/// The state between clocks, of several lanes.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct GroupControl {
     lanes: Lanes,
     /// A patch is in the outer differences; so many pairs has the first strip of the group that is prepared.
     owned: bool,
@@ -35,9 +83,9 @@ pub(super) struct Control {
     pairs_left: u64,
 }
 
-impl Control {
-    pub fn new(lanes: Lanes) -> Control {
-        Control {
+impl GroupControl {
+    fn new(lanes: Lanes) -> GroupControl {
+        GroupControl {
             lanes,
             owned: false,
             pairs: 0,
@@ -51,14 +99,13 @@ impl Control {
         }
     }
 
-    /// Whether a row is sent in this clock.
-    pub fn issues(&self, has_room: bool) -> bool {
+    fn issues(&self, has_room: bool) -> bool {
         self.running && has_room
     }
 
     /// One clock; whether the waiting patch is taken.
-    pub fn clock(&mut self, now: u64, has_room: bool, waiting: Option<u32>) -> bool {
-        let Control { lanes, owned, made, .. } = *self;
+    fn clock(&mut self, now: u64, has_room: bool, waiting: Option<u32>) -> bool {
+        let GroupControl { lanes, owned, made, .. } = *self;
         let turns = now >= self.turned;
         let load = waiting.filter(|_| !owned && turns);
         let advance = owned && !made && turns;

@@ -8,7 +8,7 @@
 //! A core that computes the right values but needs other clocks than these is wrong. The depths of the
 //! pipelines are what the core declares; everything else is the protocol's.
 
-use super::lane_clocks::{Control, Lanes};
+use super::lane_clocks::{Control, Lanes, Told};
 
 /// The declared depths, in clocks or words.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -126,8 +126,8 @@ struct Machine {
     length: u64,
     pairs_left: u64,
     lanes: Option<Control>,
-    /// Whether lanes have taken a patch in the clock before.
-    taken: bool,
+    /// What lanes have told in the clock before.
+    told: Told,
     // Output.
     credits: u32,
     has_room: bool,
@@ -163,10 +163,11 @@ impl Machine {
         let strip_end = self.pairs_left == 0;
         let finishing = issue && strip_end && self.length <= 1;
         let has_room = self.has_room;
+        let mut told = Told::default();
         let load = match &mut self.lanes {
             Some(lanes) => {
-                let taken = lanes.clock(self.now, has_room, self.waiting);
-                self.waiting.filter(|_| taken)
+                told = lanes.clock(self.now, has_room, self.waiting);
+                self.waiting.filter(|_| told.taken)
             }
             None => self.waiting.filter(|_| finishing || !(self.running || self.starting)),
         };
@@ -194,9 +195,9 @@ impl Machine {
             self.strips(issue, load);
         }
         // Lanes tell the loader a clock later, out of a register.
-        let taken = match self.lanes {
-            Some(_) => std::mem::replace(&mut self.taken, load.is_some()),
-            None => load.is_some(),
+        let Told { taken, released } = match self.lanes {
+            Some(_) => std::mem::replace(&mut self.told, told),
+            None => Told { taken: load.is_some(), released: load.is_some() },
         };
         if taken {
             self.waiting = None;
@@ -210,7 +211,7 @@ impl Machine {
         if leaving {
             self.arriving = Some((self.now + 1 + u64::from(self.depths.startup), self.loading_level));
         }
-        self.reserved = (strobe && self.axis == 0) || (self.reserved && !taken);
+        self.reserved = (strobe && self.axis == 0) || (self.reserved && !released);
         let opens = strobe && self.axis == if digits == 1 { 1 } else { 2 };
         if strobe {
             self.axis = (self.axis + 1) % 3;

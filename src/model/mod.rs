@@ -18,4 +18,5 @@ pub mod lane_clocks;
 pub mod loop_fd;
 pub mod loop_fd_clocks;
 pub mod render;
+mod single_lane_clocks;
 pub mod sweep;

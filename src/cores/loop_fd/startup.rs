@@ -46,8 +46,8 @@ fn describe(m: &Builder, parameters: Parameters) {
     m.parameter("modulus", format!("2^{}", parameters.startup_modulus()));
 }
 
-/// Clocks in which what chooses the axis goes to all points.
-const HERE: u32 = 1;
+/// Clocks in which what chooses the axis goes to all points, and in which it chooses.
+const HERE: u32 = 2;
 
 /// The same in digits: `first` comes with the axis, and digit 0 of the differences as many clocks later as they declare.
 fn in_digits(parameters: Parameters, size: u32) -> Result<Rc<Module>> {
@@ -68,13 +68,15 @@ fn in_digits(parameters: Parameters, size: u32) -> Result<Rc<Module>> {
         "The control points of a patch, and of the chosen axis digit by digit; behind them the matrix.",
     );
     let banks = banks(&m, parameters);
-    let [axis_x, axis_y, first] = ["axis_x", "axis_y", "first"]
+    let [axis_x, axis_y, first_here] = ["axis_x", "axis_y", "first"]
         .map(|name| m.restart(&m.pipe(format!("{name}_here"), m.input(name, Word::bit())), 0));
+    let first = m.restart(&m.pipe("first_chosen", &first_here), 0);
     let digits: Vec<Signal> = (0..12)
         .map(|place| {
             let [x, y, z] = [0, 1, 2].map(|axis| &banks[axis][place]);
             let width = x.width();
             let chosen = m.select(&axis_x, x, m.select(&axis_y, y, z));
+            let chosen = m.restart(&m.pipe(format!("chosen_p{place}"), m.slice(&chosen, 0, width)), 0);
             let point = m.register(format!("p{place}"), Word::unsigned(width));
             let sign = m.slice(&point, width - 1, 1);
             // What is above, and then the sign for ever.
@@ -85,7 +87,7 @@ fn in_digits(parameters: Parameters, size: u32) -> Result<Rc<Module>> {
                 parts.push(m.slice(&point, size, above));
             }
             let shifted = m.concat(&parts.iter().collect::<Vec<_>>());
-            m.always(&point, m.select(&first, m.slice(&chosen, 0, width), &shifted));
+            m.always(&point, m.select(&first, &chosen, &shifted));
             let low = m.slice(&point, 0, width.min(size));
             let mut parts = signs(size - low.width());
             parts.push(low);

@@ -21,7 +21,7 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
             m.purpose("triangle strips out, two a clock, each within a proven bound of the limit point.");
         }
     }
-    let Arrivals { captures, differences, waiting, taken, level } = arrivals(&m, parameters)?;
+    let Arrivals { captures, differences, waiting, taken, released, level } = arrivals(&m, parameters)?;
 
     let has_room = m.forward("has_room", Word::bit());
     let control = m.instance(
@@ -30,6 +30,7 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
         &[("waiting", &waiting), ("level", &level), ("has_room", &has_room)],
     );
     m.drive(&taken, control.out("taken"));
+    m.drive(&released, control.out("taken"));
     let registered = |name: &str| m.restart(&control.out(name), 0);
     let [load, strip, step] = ["load", "strip", "step"].map(registered);
     let [beat, pair] = ["valid", "pair"].map(registered);
@@ -59,7 +60,7 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
     let flags = ["pair", "strip_end", "patch_start", "patch_end"].map(registered);
     let [pair, last, start, end] = &flags;
     let flags = Flags { keeps: vec![pair.clone()], last, start, end };
-    let room = stream_out(&m, parameters, &names, &vertices, &beat, flags)?;
+    let room = stream_out(&m, parameters, &names, &vertices, [&beat, &beat], flags)?;
     m.drive(&has_room, &room);
     m.finish()
 }
@@ -74,6 +75,8 @@ pub(super) struct Arrivals {
     pub level: Signal,
     /// To be driven: the engines take it.
     pub taken: Signal,
+    /// To be driven: another patch may come to them.
+    pub released: Signal,
 }
 
 /// The input stream, loader and start-up.
@@ -95,11 +98,11 @@ pub(super) fn arrivals(m: &Builder, parameters: Parameters) -> Result<Arrivals> 
     let axes = AXES.map(|axis| (axis, parameters.point()));
     let points = m.stream_input("s_axis", parameters.input_lane(), &axes, LEVEL_BITS);
 
-    // One patch may wait in the engines while another runs. `reserved` from the moment it is handed over
-    // until it is loaded; `waiting` once it has arrived whole.
+    // `reserved` from the moment when a patch is handed over until another one may come: as one may wait in the engines while
+    // another runs, mostly until it is loaded. `waiting` once it has arrived whole.
     let reserved = m.register_reset("reserved", Word::bit(), 0);
     let waiting = m.register_reset("waiting", Word::bit(), 0);
-    let taken = m.forward("taken_now", Word::bit());
+    let [taken, released] = ["taken_now", "released_now"].map(|name| m.forward(name, Word::bit()));
     let loader = m.instance(
         "loader",
         &loader::build(parameters)?,
@@ -177,9 +180,9 @@ pub(super) fn arrivals(m: &Builder, parameters: Parameters) -> Result<Arrivals> 
     m.on(&whole[whole.len() - 1], &waiting, m.bit(true));
     m.on(&taken, &waiting, m.bit(false));
     m.on(&begins, &reserved, m.bit(true));
-    m.on(&taken, &reserved, m.bit(false));
+    m.on(&released, &reserved, m.bit(false));
     m.output("s_axis_tready", loader.out("ready"));
-    Ok(Arrivals { captures, differences, waiting, taken, level: waiting_level })
+    Ok(Arrivals { captures, differences, waiting, taken, released, level: waiting_level })
 }
 
 /// What is said of a beat when it is decided on.
@@ -192,13 +195,14 @@ pub(super) struct Flags<'a> {
 }
 
 /// The FIFO behind the engines, and the output stream; returns whether a beat may be issued. The vertices come as many
-/// clocks after `beat` and the flags as they declare.
+/// clocks after `beat` and the flags as they declare; `issue` is the beat when it was decided on, the same or a clock
+/// before.
 pub(super) fn stream_out(
     m: &Builder,
     parameters: Parameters,
     names: &[String],
     vertices: &[[Signal; 3]],
-    beat: &Signal,
+    [issue, beat]: [&Signal; 2],
     flags: Flags,
 ) -> Result<Signal> {
     let ready = m.stream_ready("m_axis");
@@ -221,11 +225,12 @@ pub(super) fn stream_out(
         lanes.push((name.into(), beside(flag)));
     }
     let shapes: Vec<(String, Word)> = lanes.iter().map(|(name, s)| (name.clone(), s.word())).collect();
-    let log_depth = (depth + stream_fifo::OVERHEAD).next_power_of_two().ilog2();
+    let early = u32::from(parameters.lanes == Some(1));
+    let log_depth = (early + depth + stream_fifo::OVERHEAD).next_power_of_two().ilog2();
     let ports: Vec<String> = lanes.iter().map(|(name, _)| format!("in_{name}")).collect();
     let mut inputs: Vec<(&str, &Signal)> =
         ports.iter().map(String::as_str).zip(lanes.iter().map(|(_, s)| s)).collect();
-    inputs.extend([("issue", beat), ("push", &push), ("ready", &ready)]);
+    inputs.extend([("issue", issue), ("push", &push), ("ready", &ready)]);
     let fifo = m.instance("output_fifo", &stream_fifo::build(log_depth, &shapes)?, &inputs);
 
     let out: Vec<Signal> = lanes.iter().map(|(name, _)| fifo.out(&format!("out_{name}"))).collect();

@@ -9,13 +9,14 @@ use crate::error::Result;
 use crate::hdl::{Builder, Module, Signal, Word};
 
 /// Inputs: at `take_k` the head of column k is `last_l`, at the last of them that of the column behind it `next_l`;
-/// `strip` starts all columns from their heads, `step` goes one row up; `valid` says that the vertices of the row mean
+/// `strip` starts all columns from their heads, one lane's from those that are there now; `step` goes one row up; `valid` says that the vertices of the row mean
 /// something, `keep_k` that there is a vertex in column k. Outputs: `v0` ... , rounded.
 pub fn build(parameters: Parameters, lanes: u32) -> Result<Rc<Module>> {
     let m = Builder::new("columns");
     m.purpose("Neighbouring columns of one coordinate, a vertex of each in a clock, and their rounding.");
     m.parameter("lanes", lanes);
-    let takes: Vec<Signal> = (0..lanes).map(|k| m.input(format!("take_{k}"), Word::bit())).collect();
+    let takes = if lanes == 1 { 0 } else { lanes };
+    let takes: Vec<Signal> = (0..takes).map(|k| m.input(format!("take_{k}"), Word::bit())).collect();
     let [strip, step, valid] = ["strip", "step", "valid"].map(|name| m.input(name, Word::bit()));
     let keeps: Vec<Signal> = (1..=lanes).map(|k| m.input(format!("keep_{k}"), Word::bit())).collect();
     let word = |l| parameters.difference((0, l));
@@ -28,7 +29,10 @@ pub fn build(parameters: Parameters, lanes: u32) -> Result<Rc<Module>> {
         m.on(when, &register, of);
         register
     };
-    let head_fourth = held("head_fourth".into(), &takes[0], &fourth);
+    let head_fourth = match takes.first() {
+        Some(take) => held("head_fourth".into(), take, &fourth),
+        None => fourth,
+    };
     let fourth = held("fourth_now".into(), &strip, &head_fourth);
     let rounder = rounder::build(Rounder {
         modulus: parameters.modulus(),
@@ -41,11 +45,11 @@ pub fn build(parameters: Parameters, lanes: u32) -> Result<Rc<Module>> {
     let running = Columns { m: &m, parameters, strip: &strip, step: &step };
     let mut vertices = vec![];
     for k in 0..=lanes as usize {
-        let (take, source) = match takes.get(k) {
-            Some(take) => (take, &last),
-            None => (&takes[k - 1], &next),
+        let source = if k < lanes as usize { &last } else { &next };
+        let head = match takes.get(k).or(takes.last()) {
+            Some(take) => [0, 1, 2, 3].map(|l| held(format!("head_{k}_{l}"), take, &source[l])),
+            None => source.clone(),
         };
-        let head = [0, 1, 2, 3].map(|l| held(format!("head_{k}_{l}"), take, &source[l]));
         let numerator = running.column(&format!("column_{k}"), head, 0, Higher::twice(&fourth));
         let means = match k {
             0 => valid.clone(),

@@ -13,12 +13,16 @@
 //! run meanwhile do not wait for it. Digit after digit, a head goes from the outer differences to its column, whose
 //! chunks take it one clock after the other, as skewed numbers do.
 //!
+//! One lane does without heads that wait: the columns take them as they come. For large patches alone it also does
+//! without differences that wait, see [`Parameters::differences_wait`](super::Parameters).
+//!
 //! A vertex is a numerator over 3 * 2^s, rounded. Half a unit for the rounding is added once, to the first difference of
 //! the patch: the basis sums to 1, so that every vertex has it.
 
 mod columns;
 mod control;
 mod outer;
+mod single;
 mod top;
 
 pub use top::HOP;

@@ -28,12 +28,12 @@ fn higher((k, l): (u32, u32)) -> Option<((u32, u32), u32)> {
 }
 
 /// Inputs: `n..` are taken at `capture` and wait; `load` moves them into the outer differences; `advance` steps these
-/// to the next column. A clock later, `last_l` are the differences D0l of the column before, `next_l` those of the
+/// to the next column. Where they do not wait, `capture` loads. A clock later, `last_l` are the differences D0l of the column before, `next_l` those of the
 /// next one, and `fourth` is D13.
 ///
 /// In digits, `turn` comes a clock ([`LEAD`]) before the first one of a load or an advance. As early, through all digits,
 /// come `waiting_turns` (one is captured or loaded), `outer_turns` (one is loaded or advanced) and `loading` (which of the
-/// two).
+/// two). Where differences do not wait, there are no `waiting_turns`.
 pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
     let m = Builder::new("outer_differences");
     m.purpose("Outer differences of one coordinate: the heads of the columns, one after the other.");
@@ -45,17 +45,23 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
 }
 
 fn whole(m: &Builder, parameters: Parameters) {
-    let [capture, load, advance] = ["capture", "load", "advance"].map(|name| m.input(name, Word::bit()));
+    let [capture, advance] = ["capture", "advance"].map(|name| m.input(name, Word::bit()));
+    let load = parameters.differences_wait().then(|| m.input("load", Word::bit()));
     let (mut waiting, mut outer) = (Table::new(), Table::new());
     for (k, l) in DIFFERENCES {
         let n = m.input(format!("n{k}{l}"), parameters.difference((k, l)));
-        let register = m.register(format!("waiting_{k}{l}"), n.word());
-        m.on(&capture, &register, &n);
-        waiting.insert((k, l), register);
         outer.insert((k, l), m.register(format!("d{k}{l}"), n.word()));
+        let start = if load.is_some() {
+            let register = m.register(format!("waiting_{k}{l}"), n.word());
+            m.on(&capture, &register, &n);
+            register
+        } else {
+            n
+        };
+        waiting.insert((k, l), start);
     }
     for (kl, d) in &outer {
-        m.on(&load, d, &waiting[kl]);
+        m.on(load.as_ref().unwrap_or(&capture), d, &waiting[kl]);
         if let Some((of, shift)) = higher(*kl) {
             let of = &outer[&of];
             let narrow = of.width() + words::low_zeros(kl.0 + kl.1 + 1) < parameters.modulus();
@@ -81,8 +87,9 @@ fn in_digits(m: &Builder, parameters: Parameters, size: u32) {
     let turn = m.input("turn", Word::bit());
     let digits = Digits::new(m, size, count, &turn);
     // In registers here, which synthesis may copy for all that they reach.
-    let [waiting_turns, outer_turns, loading] = ["waiting_turns", "outer_turns", "loading"]
-        .map(|name| m.pipe(format!("{name}_here"), m.input(name, Word::bit())));
+    let here = |name: &str| m.pipe(format!("{name}_here"), m.input(name, Word::bit()));
+    let waiting_turns = parameters.differences_wait().then(|| here("waiting_turns"));
+    let [outer_turns, loading] = ["outer_turns", "loading"].map(here);
 
     let word = Word::unsigned(size);
     let shifted = |name: &str, turns: &Signal| {
@@ -96,9 +103,12 @@ fn in_digits(m: &Builder, parameters: Parameters, size: u32) {
     let (mut waiting, mut first, mut last) = (Table::new(), Table::new(), Table::new());
     for (k, l) in DIFFERENCES {
         let n = m.input_at(format!("n{k}{l}"), word, LEAD);
-        let (lowest, highest) = shifted(&format!("waiting_{k}{l}"), &waiting_turns);
-        m.on(&waiting_turns, &highest, &n);
-        waiting.insert((k, l), lowest);
+        let start = waiting_turns.as_ref().map(|turns| {
+            let (lowest, highest) = shifted(&format!("waiting_{k}{l}"), turns);
+            m.on(turns, &highest, &n);
+            lowest
+        });
+        waiting.insert((k, l), start.unwrap_or(n));
         let (lowest, highest) = shifted(&format!("d{k}{l}"), &outer_turns);
         first.insert((k, l), lowest);
         last.insert((k, l), highest);
@@ -110,7 +120,7 @@ fn in_digits(m: &Builder, parameters: Parameters, size: u32) {
             Some((of, shift)) => {
                 let of = digits.shift_bits(&first[&of], shift);
                 let of = m.select(&loading, m.constant(0, word), &of);
-                digits.sum(&start, &of)
+                digits.sum_when(&outer_turns, &start, &of)
             }
             None => start,
         };

@@ -4,7 +4,7 @@ use std::rc::Rc;
 
 use super::super::top::{Arrivals, Flags, arrivals, stream_out};
 use super::super::{AXES, Parameters};
-use super::{columns, control, outer};
+use super::{columns, control, outer, single};
 use crate::error::Result;
 use crate::hdl::serial::following;
 use crate::hdl::skew::{LEAD, SkewedPorts, skew};
@@ -34,22 +34,30 @@ pub fn build(parameters: Parameters, lanes: u32) -> Result<Rc<Module>> {
     m.purpose("triangle strips out, a row of all at once, each the exact limit point correctly rounded.");
     m.parameter("lanes", lanes);
     m.parameter("digits", parameters.digits());
-    let Arrivals { captures, differences, waiting, taken, level } = arrivals(&m, parameters)?;
+    m.parameter("waiting_patches", u32::from(parameters.differences_wait()));
+    let Arrivals { captures, differences, waiting, taken, released, level } = arrivals(&m, parameters)?;
 
     let has_room = m.forward("has_room", Word::bit());
     let inputs = [("waiting", &waiting), ("level", &level), ("has_room", &has_room)];
-    let control = m.instance("control", &control::build(parameters, lanes)?, &inputs);
+    let control = match lanes {
+        1 => single::build(parameters)?,
+        _ => control::build(parameters, lanes)?,
+    };
+    let control = m.instance("control", &control, &inputs);
     let registered = |name: &str| m.restart(&control.out(name), 0);
     m.drive(&taken, registered("load"));
+    m.drive(&released, registered(if lanes == 1 { "released" } else { "load" }));
     let named = |names: Vec<String>| -> Vec<(String, Signal)> {
         names.into_iter().map(|name| (name.clone(), registered(&name))).collect()
     };
     let steps = named(["load", "advance"].map(String::from).to_vec());
     let keeps = named((1..=lanes).map(|k| format!("keep_{k}")).collect());
-    let mut rows = named((0..lanes).map(|k| format!("take_{k}")).collect());
+    let takes = if lanes == 1 { 0 } else { lanes };
+    let mut rows = named((0..takes).map(|k| format!("take_{k}")).collect());
     rows.extend(named(["strip", "step", "valid"].map(String::from).to_vec()));
     rows.extend(keeps.iter().cloned());
     let beat = registered("valid");
+    let issue = if lanes == 1 { registered("issue") } else { beat.clone() };
 
     // Digits come a clock behind what is said of them.
     let lead = parameters.digit().map_or(0, |_| LEAD);
@@ -61,6 +69,7 @@ pub fn build(parameters: Parameters, lanes: u32) -> Result<Rc<Module>> {
     };
     let [load, advance] = [&steps[0].1, &steps[1].1];
     let turn = m.wire("turn", load | advance);
+    let waits = parameters.differences_wait();
     let [loads, advances] = [load, advance].map(|pulse| following(&m, pulse, parameters.digits(), None));
     let mut vertices: Vec<Vec<Signal>> = vec![];
     for (axis, capture) in AXES.iter().zip(&captures) {
@@ -74,14 +83,20 @@ pub fn build(parameters: Parameters, lanes: u32) -> Result<Rc<Module>> {
                 let ahead = m.any(&pulses.iter().copied().flatten().collect::<Vec<_>>());
                 (name.to_string(), m.pipe(format!("{axis}_{name}_ahead"), ahead))
             };
-            let capture = following(&m, capture, parameters.digits(), None);
-            says.push(("turn".into(), turn.clone()));
-            turns.push(through("waiting_turns", &[&capture, &loads]));
-            turns.push(through("outer_turns", &[&loads, &advances]));
-            turns.push(through("loading", &[&loads]));
+            let captures = following(&m, capture, parameters.digits(), None);
+            let (turn, loads) = match waits {
+                true => (turn.clone(), &loads),
+                false => (m.wire(format!("{axis}_turn"), capture | advance), &captures),
+            };
+            says.push(("turn".into(), turn));
+            if waits {
+                turns.push(through("waiting_turns", &[&captures, loads]));
+            }
+            turns.push(through("outer_turns", &[loads, &advances]));
+            turns.push(through("loading", &[loads]));
         } else {
             says.push(("capture".into(), capture.clone()));
-            says.extend(steps.iter().cloned());
+            says.extend(steps.iter().filter(|(name, _)| waits || name != "load").cloned());
         }
         let near = nearer(&mut says.iter().chain(&differences));
         // What stands in a register of this coordinate already is near.
@@ -116,7 +131,7 @@ pub fn build(parameters: Parameters, lanes: u32) -> Result<Rc<Module>> {
     let [last, start, end] = ["strip_end", "patch_start", "patch_end"].map(registered);
     let keeps = keeps.into_iter().map(|(_, keep)| keep).collect();
     let flags = Flags { keeps, last: &last, start: &start, end: &end };
-    let room = stream_out(&m, parameters, &names, &vertices, &beat, flags)?;
+    let room = stream_out(&m, parameters, &names, &vertices, [&issue, &beat], flags)?;
     m.drive(&has_room, &room);
     m.finish()
 }
