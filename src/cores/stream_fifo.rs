@@ -72,8 +72,8 @@ pub fn build(log_depth: u32, lanes: &[(String, Word)]) -> Result<Rc<Module>> {
     m.output("has_room", &has_room);
 
     m.output("valid", &valid);
-    // Many bits at once are taken by several signals, each decided from registers of its own.
-    let (mut take, mut bits) = (take, 0);
+    // Many bits at once are taken by several signals, each decided from registers of its own, from a place that it counts.
+    let (mut take, mut read, mut bits) = (take, read, 0);
     for ((name, word), input) in lanes.iter().zip(&inputs) {
         if bits + word.width() > MOST_TAKEN {
             let copy = |name: &str| m.unmerged(m.register_reset(format!("{name}_copy"), Word::bit(), 0));
@@ -82,6 +82,8 @@ pub fn build(log_depth: u32, lanes: &[(String, Word)]) -> Result<Rc<Module>> {
             m.always(&filled, &stays_filled);
             m.on(&take, &valid, m.bit(true));
             m.on(&ready, &valid, m.bit(false));
+            read = m.unmerged(m.register_reset("read_copy", pointer, 0));
+            m.on(&take, &read, m.wrap(&read + 1, pointer));
             bits = 0;
         }
         bits += word.width();

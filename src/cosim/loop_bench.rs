@@ -12,7 +12,7 @@ use super::core;
 use super::dut::{Dut, Latency, Stimulus};
 use super::loop_traffic::Traffic;
 pub use super::loop_traffic::extra_fraction;
-use crate::cores::loop_fd::{HOP, Parameters, startup_depth};
+use crate::cores::loop_fd::{HOP, LATER, Parameters, startup_depth};
 use crate::error::{Error, Result};
 use crate::hdl::skew::LEAD;
 use crate::hdl::{Module, verilog};
@@ -203,8 +203,9 @@ pub fn depths(core: &Module) -> loop_fd_clocks::Depths {
     });
     let engine = instance(if lanes.is_some() { "columns_x" } else { "engine_x" });
     let engine = engine.and_then(|i| Some(i.module.latency(i.module.outputs.first()?)));
-    // One lane sends its columns on their way a clock after the outer differences.
-    let rounder = engine.unwrap_or(0) + lanes.map_or(0, |lanes| HOP + u32::from(lanes.count == 1));
+    // One lane sends its columns on their way after the outer differences.
+    let rounder =
+        engine.unwrap_or(0) + lanes.map_or(0, |lanes| HOP + if lanes.count == 1 { LATER } else { 0 });
     let fifo = instance("output_fifo").and_then(|i| i.module.memories.first()).map_or(1, |m| m.depth);
     // A patch is there with its last digit; the first one comes a clock behind the pulse that announces it.
     let startup = match lanes.map_or(1, |lanes| lanes.digits) {

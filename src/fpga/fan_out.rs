@@ -1,15 +1,18 @@
 //! Registers that many cells read are copied, so that none has far to go to all of its readers.
 
+use std::collections::BTreeMap;
+
 use serde_json::{Map, Value, json};
 
 use super::nets::{Nets, Pin, net};
 
-/// Readers that a register may have. Fewer cost registers, more cost routing.
-pub const MOST_READERS: usize = 24;
+/// Readers that a register may have: two chains of 15 bits. Fewer cost registers, more cost routing.
+pub const MOST_READERS: usize = 32;
 
 /// Copies the registers of a module until none has more readers; returns how many copies that takes.
 ///
-/// The readers are shared out in the order of their names: what stands side by side there does so on the device.
+/// The readers are shared out in the order of their names: what stands side by side there does so on the device. The
+/// registers behind one adder stay together, as two enables do not fit into one slice.
 pub fn copy_registers(module: &mut Value) -> u64 {
     let mut copies = 0;
     // Copies are new readers of what stands before them.
@@ -27,9 +30,7 @@ pub fn copy_registers(module: &mut Value) -> u64 {
             return copies;
         }
         for (name, out) in registers {
-            let readers: Vec<&Pin> = cells_of(nets.readers(out)).collect();
-            let size = readers.len().div_ceil(readers.len().div_ceil(MOST_READERS));
-            for (nth, group) in readers.chunks(size).enumerate().skip(1) {
+            for (nth, group) in groups(cells, &nets, nets.readers(out)).iter().enumerate().skip(1) {
                 let mut copy = cells[&name].clone();
                 copy["connections"]["Q"] = json!([free]);
                 cells.insert(free_name(cells, &name, nth), copy);
@@ -41,6 +42,37 @@ pub fn copy_registers(module: &mut Value) -> u64 {
             }
         }
     }
+}
+
+/// The readers in groups of as many as a register may have.
+fn groups<'a>(cells: &Map<String, Value>, nets: &Nets, readers: &'a [Pin]) -> Vec<Vec<&'a Pin>> {
+    let mut units: BTreeMap<String, Vec<&Pin>> = BTreeMap::new();
+    for pin in cells_of(readers) {
+        units.entry(chain(cells, nets, &pin.0)).or_default().push(pin);
+    }
+    let units: Vec<&[&Pin]> = units.values().flat_map(|unit| unit.chunks(MOST_READERS)).collect();
+    let mut groups: Vec<Vec<&Pin>> = vec![];
+    for unit in units {
+        match groups.last_mut().filter(|group| group.len() + unit.len() <= MOST_READERS) {
+            Some(group) => group.extend(unit),
+            None => groups.push(unit.to_vec()),
+        }
+    }
+    groups
+}
+
+/// The first cell of the chain of carry that a cell belongs to, or that a register takes its bit from; else the cell.
+fn chain(cells: &Map<String, Value>, nets: &Nets, name: &str) -> String {
+    let carry = |name: &String| cells.get(name).is_some_and(|cell| cell["type"] == "CCU2C");
+    let before = |name: &str, port: &str| {
+        let (driver, _) = nets.drivers.get(&net(cells.get(name)?, port)?)?;
+        Some(driver.clone()).filter(carry)
+    };
+    let mut first = before(name, "DI").unwrap_or_else(|| name.to_string());
+    while let Some(lower) = before(&first, "CIN") {
+        first = lower;
+    }
+    first
 }
 
 /// The readers without ports of the module, which stay with the first one.
@@ -83,11 +115,11 @@ mod tests {
 
     #[test]
     fn no_register_has_more_readers_than_it_may_and_all_read_the_same() {
-        for readers in [24, 25, 700] {
+        for readers in [32, 33, 700] {
             let mut copied = module(readers);
             let copies = copy_registers(&mut copied);
             let nets = Nets::of(&copied);
-            assert_eq!(copies > 0, readers > 24);
+            assert_eq!(copies > 0, readers > 32);
             for (bit, readers) in &nets.readers {
                 assert!(*bit == 2 || cells_of(readers).count() <= MOST_READERS, "{bit}");
             }
@@ -103,5 +135,47 @@ mod tests {
             }
             assert_eq!(copied["ports"], module(readers)["ports"]);
         }
+    }
+
+    #[test]
+    fn registers_behind_one_adder_have_one_enable() {
+        let mut cells = Map::new();
+        let carry = json!({
+            "type": "CCU2C",
+            "port_directions": { "CIN": "input", "COUT": "output", "S0": "output", "S1": "output" },
+        });
+        let register = |input: u64, enable: u64, out: u64| {
+            json!({
+                "type": "TRELLIS_FF",
+                "port_directions": { "DI": "input", "CE": "input", "Q": "output" },
+                "connections": { "DI": [input], "CE": [enable], "Q": [out] },
+            })
+        };
+        cells.insert("enable".into(), register(2, 3, 4));
+        for chain in 0..3u64 {
+            for place in 0..10u64 {
+                let of = |place: u64| 100 + 1000 * chain + 10 * place;
+                let mut cell = carry.clone();
+                let below = if place == 0 { json!("0") } else { json!(of(place - 1)) };
+                cell["connections"] =
+                    json!({ "CIN": [below], "COUT": [of(place)], "S0": [of(place) + 1], "S1": [of(place) + 2] });
+                cells.insert(format!("carry{chain}_{}", 9 - place), cell);
+                for half in 1..3 {
+                    // Their names tell nothing of the chains.
+                    let name = format!("register{place}_{half}_{chain}");
+                    cells.insert(name, register(of(place) + half, 4, of(place) + half + 5000));
+                }
+            }
+        }
+        let mut module = json!({ "ports": {}, "cells": cells });
+        assert_eq!(copy_registers(&mut module), 2);
+        let enable = |chain: u64, place: u64, half: u64| {
+            net(&module["cells"][&format!("register{place}_{half}_{chain}")], "CE")
+        };
+        for chain in 0..3 {
+            assert!((0..10).all(|place| enable(chain, place, 1) == enable(chain, 0, 2)));
+            assert!((0..10).all(|place| enable(chain, place, 2) == enable(chain, 0, 2)));
+        }
+        assert_ne!(enable(0, 0, 1), enable(1, 0, 1));
     }
 }

@@ -103,6 +103,22 @@ pub fn absorb_operands(module: &mut Value) -> u64 {
     (before - cells.len()) as u64
 }
 
+/// Chains that begin with a constant and with a half whose carry is a function of two nets, as where a carry enters from a
+/// register, need no constant; returns how many.
+pub fn seal_chains(module: &mut Value) -> u64 {
+    let nets = Nets::of(module);
+    let Some(cells) = module["cells"].as_object() else { return 0 };
+    let fold = Fold { cells, nets };
+    let carries = cells.iter().filter(|(_, cell)| cell["type"] == "CCU2C");
+    let edits: Vec<Edit> = carries.filter_map(|(name, cell)| fold.sealed(name, cell)).collect();
+    let Some(cells) = module["cells"].as_object_mut() else { return 0 };
+    for edit in &edits {
+        edit.apply(cells);
+        cells[&edit.half.0]["connections"]["CIN"] = open();
+    }
+    edits.len() as u64
+}
+
 /// A half as it is to be.
 struct Edit {
     half: Half,
@@ -265,6 +281,21 @@ impl Fold<'_> {
             let names = group.iter().map(|(_, name, _)| name.clone()).collect();
             Some((Edit { half: half.clone(), pins, table, sum: None }, names))
         })
+    }
+
+    /// The first half where it does not ask what comes in.
+    fn sealed(&self, name: &str, cell: &Value) -> Option<Edit> {
+        let enters = bit(cell, "CIN")?.as_str().filter(|constant| ["0", "1"].contains(constant))? == "1";
+        let half: Half = (name.to_string(), 0);
+        if cell["parameters"]["INJECT1_0"] != "NO" || self.is_read(&half) {
+            return None;
+        }
+        let own = Function::of_half(cell, 0)?;
+        let leaves =
+            |value: &dyn Fn(u64) -> bool| if own.at(value) { enters } else { carried(cell, 0, value) };
+        let (pins, table) = fit(&own.nets, &|_| false, &leaves)?;
+        let pins = pins.map(|pin| pin.map_or(json!(["1"]), |net| json!([net])));
+        Some(Edit { half, pins, table, sum: None })
     }
 
     /// The half with the choice in it.

@@ -9,8 +9,11 @@
 //!   shifted      [0 |a0]─►[a1|a2]                                   2 cells: the unused half makes the constant
 //! ```
 //!
+//! A chain without an unused half gets one, in a cell behind it in place of the one before it. A half that lets a register's
+//! carry in needs no constant before it.
+//!
 //! Besides, [choices](super::fold) go into the cells of the adders before them, and [registers](super::fan_out) with many
-//! readers are copied. None of this changes a bit of what the circuit computes; the netlist that is simulated is the one
+//! readers are copied; an inverter in front of resets goes into the registers. None of this changes a bit of what the circuit computes; the netlist that is simulated is the one
 //! after this step.
 
 use std::collections::BTreeMap;
@@ -19,9 +22,9 @@ use serde_json::{Map, Value, json};
 
 use super::device::Family;
 use super::fan_out::copy_registers;
-use super::fold::{absorb_operands, fold_choices};
+use super::fold::{absorb_operands, fold_choices, seal_chains};
 use super::netlist::Netlist;
-use super::nets::{bit, open};
+use super::nets::{Nets, bit, net, open, table};
 
 /// What was removed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -32,8 +35,12 @@ pub struct Tidied {
     pub folded_choices: u64,
     /// LUTs of operands that went into the adders behind them.
     pub absorbed_operands: u64,
-    /// Chains whose constant carry-in is made in a half that was unused.
+    /// Chains that begin with a carry out of a register, and ask for no constant any more.
+    pub sealed_chains: u64,
+    /// Chains whose constant carry-in is made in a half of their own.
     pub shifted_chains: u64,
+    /// Registers that invert their reset themselves.
+    pub inverted_resets: u64,
     /// Copies of registers with many readers.
     pub copied_registers: u64,
 }
@@ -49,7 +56,9 @@ pub fn tidy(family: Family, netlist: &mut Netlist) -> Tidied {
         tidied.unread_carries += drop_unread_carries(module);
         tidied.folded_choices += fold_choices(module);
         tidied.absorbed_operands += absorb_operands(module);
+        tidied.sealed_chains += seal_chains(module);
         tidied.shifted_chains += shift_chains(module);
+        tidied.inverted_resets += invert_resets(module);
         tidied.copied_registers += copy_registers(module);
     }
     tidied
@@ -97,9 +106,11 @@ fn drop_unread_carries(module: &mut Value) -> u64 {
     dropped
 }
 
-/// Moves chains that begin with a constant and end in an unused half up by one half.
+/// Moves chains that begin with a constant up by one half; where no half is free at the end, into a cell more, which the
+/// constant would also take.
 fn shift_chains(module: &mut Value) -> u64 {
     let readers = readers(module);
+    let mut free = Nets::of(module).free();
     let Some(cells) = module["cells"].as_object_mut() else { return 0 };
     let mut after: BTreeMap<u64, String> = BTreeMap::new();
     let mut heads = vec![];
@@ -126,16 +137,78 @@ fn shift_chains(module: &mut Value) -> u64 {
         {
             chain.push(next.clone());
         }
-        let last = &cells[&chain[chain.len() - 1]];
-        if !bit(last, "COUT").is_some_and(Value::is_u64)
-            && !is_read(last, "S1", &readers)
-            && plain(cells, &chain)
-        {
-            shift(cells, &chain, constant);
-            shifted += 1;
+        let last = chain[chain.len() - 1].clone();
+        if bit(&cells[&last], "COUT").is_some_and(Value::is_u64) || !plain(cells, &chain) {
+            continue;
         }
+        if is_read(&cells[&last], "S1", &readers) {
+            chain.push(lengthen(cells, &last, free));
+            free += 1;
+        }
+        shift(cells, &chain, constant);
+        shifted += 1;
     }
     shifted
+}
+
+/// A cell more behind the last one of a chain, both halves unused; returns its name.
+fn lengthen(cells: &mut Map<String, Value>, last: &str, carry: u64) -> String {
+    let mut more = cells[last].clone();
+    cells[last]["connections"]["COUT"] = json!([carry]);
+    more["connections"]["CIN"] = json!([carry]);
+    for half in 0..2 {
+        put(&mut more, half, unused());
+    }
+    let mut name = format!("{last}_more");
+    while cells.contains_key(&name) {
+        name.push('_');
+    }
+    cells.insert(name.clone(), more);
+    name
+}
+
+/// A half that makes nothing, and carries 0.
+fn unused() -> Half {
+    Half { inputs: [(); 4].map(|()| json!(["1"])), table: json!(format!("{:016b}", 0)), sum: open() }
+}
+
+/// Registers behind an inverter of their reset take what stands before it, and invert it themselves.
+fn invert_resets(module: &mut Value) -> u64 {
+    let nets = Nets::of(module);
+    let Some(cells) = module["cells"].as_object_mut() else { return 0 };
+    let before = |cells: &Map<String, Value>, cell: &Value| {
+        let lut = cells.get(&nets.drivers.get(&net(cell, "LSR")?)?.0).filter(|cell| cell["type"] == "LUT4")?;
+        let table = table(lut, "INIT")?;
+        let mut pins = INPUTS.iter().enumerate().filter_map(|(nth, pin)| Some((nth, net(lut, pin)?)));
+        let (Some((nth, of)), None) = (pins.next(), pins.next()) else { return None };
+        let at = |high: bool| {
+            let place = |(n, pin): (usize, &&str)| {
+                let set = if n == nth { high } else { bit(lut, pin).is_some_and(|pin| pin == "1") };
+                usize::from(set) << n
+            };
+            table >> INPUTS.iter().enumerate().map(place).sum::<usize>() & 1 == 1
+        };
+        (at(false) && !at(true)).then_some(of)
+    };
+    let plain = |cell: &Value| cell["type"] == "TRELLIS_FF" && cell["parameters"]["LSRMUX"] == "LSR";
+    let registers: Vec<(String, u64)> = cells
+        .iter()
+        .filter(|(_, cell)| plain(cell))
+        .filter_map(|(name, cell)| Some((name.clone(), before(cells, cell)?)))
+        .collect();
+    for (name, of) in &registers {
+        let cell = &mut cells[name];
+        cell["connections"]["LSR"] = json!([of]);
+        cell["parameters"]["LSRMUX"] = json!("INV");
+    }
+    if registers.is_empty() {
+        return 0;
+    }
+    let nets = Nets::of(module);
+    let Some(cells) = module["cells"].as_object_mut() else { return 0 };
+    let unread = |cell: &Value| net(cell, "Z").is_some_and(|out| nets.readers(out).is_empty());
+    cells.retain(|_, cell| cell["type"] != "LUT4" || !unread(cell));
+    registers.len() as u64
 }
 
 /// Whether every half of the chain passes the carry on as adders do.
@@ -221,8 +294,11 @@ mod tests {
     fn sums(netlist: &Netlist, numbers: u64) -> BTreeMap<u64, bool> {
         let cells = &netlist.0["modules"]["m"]["cells"];
         let mut bits: BTreeMap<u64, bool> = (0..4).map(|i| (10 + i, numbers >> i & 1 == 1)).collect();
-        for name in ["low", "high"] {
+        for name in ["low", "high", "high_more"] {
             let cell = &cells[name];
+            if cell.is_null() {
+                continue;
+            }
             let read = |bits: &BTreeMap<u64, bool>, port: String| match bit(cell, &port) {
                 Some(Value::String(constant)) => constant == "1",
                 Some(number) => number.as_u64().and_then(|bit| bits.get(&bit).copied()).unwrap_or(false),
@@ -245,20 +321,20 @@ mod tests {
                 bits.insert(out, carry);
             }
         }
-        bits.retain(|bit, _| (20..23).contains(bit));
+        bits.retain(|bit, _| (20..24).contains(bit));
         bits
     }
 
     #[test]
     fn an_unread_carry_is_disconnected_and_a_read_one_is_not() {
-        let mut netlist = chain("0", &[20, 21, 22, 23]);
+        let mut netlist = chain("x", &[20, 21, 22, 23]);
         assert_eq!(tidy(Family::Ecp5, &mut netlist), Tidied { unread_carries: 1, ..Tidied::default() });
         let cells = &netlist.0["modules"]["m"]["cells"];
         assert_eq!(
             (&cells["high"]["connections"]["COUT"], &cells["low"]["connections"]["COUT"]),
             (&open(), &json!([30]))
         );
-        let mut netlist = chain("0", &[20, 21, 22, 23, 31]);
+        let mut netlist = chain("x", &[20, 21, 22, 23, 31]);
         assert_eq!(tidy(Family::Ecp5, &mut netlist), Tidied::default());
         let mut other = chain("0", &[20]);
         assert_eq!(tidy(Family::Ice40, &mut other), Tidied::default());
@@ -266,18 +342,71 @@ mod tests {
 
     #[test]
     fn a_chain_with_an_unused_half_makes_its_constant_itself_and_computes_the_same() {
-        for constant in ["0", "1"] {
-            let before = chain(constant, &[20, 21, 22]);
+        for (constant, outputs) in [("0", 3), ("1", 3), ("0", 4), ("1", 4)] {
+            let mut before = chain(constant, &[20, 21, 22, 23][..outputs]);
+            if outputs == 3 {
+                before.0["modules"]["m"]["cells"]["high"]["connections"]["S1"] = open();
+            }
             let mut after = before.clone();
             assert_eq!(
                 tidy(Family::Ecp5, &mut after),
                 Tidied { unread_carries: 1, shifted_chains: 1, ..Tidied::default() }
             );
+            let cells = after.0["modules"]["m"]["cells"].as_object().unwrap();
+            assert_eq!(cells.len(), outputs - 1);
             assert_eq!(after.0["modules"]["m"]["cells"]["low"]["connections"]["CIN"], open());
             for numbers in 0..16 {
                 assert_eq!(sums(&before, numbers), sums(&after, numbers), "{constant} {numbers:b}");
             }
             assert!((0..16).any(|numbers| sums(&before, numbers) != sums(&before, 0)));
+        }
+    }
+
+    #[test]
+    fn a_carry_out_of_a_register_needs_no_constant_before_it() {
+        for constant in ["0", "1"] {
+            let mut before = chain(constant, &[21, 22, 23]);
+            // 1 + bit 10 lets that bit in as the carry.
+            let low = &mut before.0["modules"]["m"]["cells"]["low"];
+            low["connections"]["S0"] = open();
+            low["connections"]["B0"] = json!(["1"]);
+            low["parameters"]["INIT0"] = json!("0000000000001001");
+            let mut after = before.clone();
+            let tidied = tidy(Family::Ecp5, &mut after);
+            assert_eq!((tidied.sealed_chains, tidied.shifted_chains), (1, 0));
+            assert_eq!(after.0["modules"]["m"]["cells"]["low"]["connections"]["CIN"], open());
+            for numbers in 0..16 {
+                assert_eq!(sums(&before, numbers), sums(&after, numbers), "{constant} {numbers:b}");
+            }
+            assert!((0..16).any(|numbers| sums(&before, numbers) != sums(&before, 0)));
+        }
+    }
+
+    #[test]
+    fn an_inverter_before_resets_goes_into_the_registers_and_another_function_does_not() {
+        let register = json!({
+            "type": "TRELLIS_FF",
+            "parameters": { "LSRMUX": "LSR" },
+            "port_directions": { "LSR": "input", "Q": "output" },
+            "connections": { "LSR": [11], "Q": [12] },
+        });
+        let lut = |table: &str| {
+            json!({
+                "type": "LUT4",
+                "parameters": { "INIT": table },
+                "port_directions": { "A": "input", "B": "input", "C": "input", "D": "input", "Z": "output" },
+                "connections": { "A": ["1"], "B": [10], "C": ["0"], "D": ["0"], "Z": [11] },
+            })
+        };
+        for (table, inverts) in [("0000000000000010", true), ("0000000000001000", false), ("0000000000001010", false)] {
+            let module = json!({ "cells": { "r": register, "inverter": lut(table) },
+                "ports": { "y": { "direction": "output", "bits": [12] } } });
+            let mut netlist = Netlist(json!({ "modules": { "m": module } }));
+            assert_eq!(tidy(Family::Ecp5, &mut netlist).inverted_resets, u64::from(inverts));
+            let cells = &netlist.0["modules"]["m"]["cells"];
+            assert_eq!(cells["r"]["connections"]["LSR"], json!([if inverts { 10 } else { 11 }]));
+            assert_eq!(cells["r"]["parameters"]["LSRMUX"], if inverts { "INV" } else { "LSR" });
+            assert_eq!(cells["inverter"].is_null(), inverts);
         }
     }
 }

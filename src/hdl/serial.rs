@@ -30,6 +30,8 @@ pub struct Digits {
     size: u32,
     /// 1 in the clock of digit j of numbers of the clock that `flags[0]` is of.
     flags: Vec<Signal>,
+    /// `flags[0]` a clock before.
+    ahead: Signal,
     /// 1 in the clocks of last digits, and between numbers.
     done: Signal,
 }
@@ -43,7 +45,8 @@ impl Digits {
         let more = m.any(&ahead[..count as usize - 1].iter().collect::<Vec<_>>());
         let done = m.pipe(format!("{name}_done"), !&more);
         let flags = ahead.iter().map(|flag| m.pipe(format!("{name}_digit"), flag));
-        Digits { m: m.clone(), size, flags: flags.collect(), done }
+        let (flags, ahead) = (flags.collect(), ahead[0].clone());
+        Digits { m: m.clone(), size, flags, ahead, done }
     }
 
     /// The sum of two numbers of the clock after `first`.
@@ -74,7 +77,10 @@ impl Digits {
         let one = m.bit(true);
         // The carry of the number before ends here, where it enters, so that its register needs no reset.
         let carry = m.register_at("carry", Word::bit(), None, time);
-        let carry_in = m.select(&m.at_time(&self.flags[0], time), &start, &carry);
+        // Each adder is told out of a register beside it.
+        let ahead = m.at_time(&self.ahead, time - 1);
+        let lowest = m.unmerged(m.pipe("lowest", &ahead));
+        let carry_in = m.select(&lowest, &start, &carry);
         let (a, b) = (m.concat(&[&bits(a), &one]), m.concat(&[&bits(b), &carry_in]));
         let sum = m.wrap(&a + &b, Word::unsigned(self.size + 2));
         let carry_out = m.slice(&sum, self.size + 1, 1);

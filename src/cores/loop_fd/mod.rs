@@ -52,7 +52,7 @@ use crate::fixed::{Format, Precision, Range, Rounding};
 use crate::hdl::{Module, Word};
 
 pub use engine::DIFFERENCES;
-pub use lanes::HOP;
+pub use lanes::{HOP, LATER};
 
 /// How the differences are kept.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -258,6 +258,11 @@ impl Parameters {
     /// of two thousand beats and more, the clocks in which the start-up works alone are fewer than 2 percent.
     fn differences_wait(self) -> bool {
         self.lanes != Some(1) || self.min_level < 6
+    }
+
+    /// Clocks from the decision on a beat to the beat.
+    fn decided_before(self) -> u32 {
+        if self.lanes == Some(1) { LATER } else { 0 }
     }
 
     /// Vertices in a beat.

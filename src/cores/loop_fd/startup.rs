@@ -46,8 +46,8 @@ fn describe(m: &Builder, parameters: Parameters) {
     m.parameter("modulus", format!("2^{}", parameters.startup_modulus()));
 }
 
-/// Clocks in which what chooses the axis goes to all points, and in which it chooses.
-const HERE: u32 = 2;
+/// Clocks in which what chooses the axis goes to all points, by way of few, and in which it chooses.
+const HERE: u32 = 3;
 
 /// The same in digits: `first` comes with the axis, and digit 0 of the differences as many clocks later as they declare.
 fn in_digits(parameters: Parameters, size: u32) -> Result<Rc<Module>> {
@@ -68,9 +68,11 @@ fn in_digits(parameters: Parameters, size: u32) -> Result<Rc<Module>> {
         "The control points of a patch, and of the chosen axis digit by digit; behind them the matrix.",
     );
     let banks = banks(&m, parameters);
-    let [axis_x, axis_y, first_here] = ["axis_x", "axis_y", "first"]
-        .map(|name| m.restart(&m.pipe(format!("{name}_here"), m.input(name, Word::bit())), 0));
-    let first = m.restart(&m.pipe("first_chosen", &first_here), 0);
+    let [axis_x, axis_y, first] = ["axis_x", "axis_y", "first"].map(|name| {
+        let on_the_way = m.pipe(format!("{name}_on_the_way"), m.input(name, Word::bit()));
+        m.restart(&m.pipe(format!("{name}_here"), &on_the_way), 0)
+    });
+    let first = m.restart(&m.pipe("first_chosen", &first), 0);
     let digits: Vec<Signal> = (0..12)
         .map(|place| {
             let [x, y, z] = [0, 1, 2].map(|axis| &banks[axis][place]);

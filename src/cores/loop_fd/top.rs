@@ -195,7 +195,7 @@ pub(super) struct Flags<'a> {
 }
 
 /// The FIFO behind the engines, and the output stream; returns whether a beat may be issued. The vertices come as many
-/// clocks after `beat` and the flags as they declare; `issue` is the beat when it was decided on, the same or a clock
+/// clocks after `beat` and the flags as they declare; `issue` is the beat when it was decided on, the same or clocks
 /// before.
 pub(super) fn stream_out(
     m: &Builder,
@@ -225,8 +225,8 @@ pub(super) fn stream_out(
         lanes.push((name.into(), beside(flag)));
     }
     let shapes: Vec<(String, Word)> = lanes.iter().map(|(name, s)| (name.clone(), s.word())).collect();
-    let early = u32::from(parameters.lanes == Some(1));
-    let log_depth = (early + depth + stream_fifo::OVERHEAD).next_power_of_two().ilog2();
+    let log_depth =
+        (parameters.decided_before() + depth + stream_fifo::OVERHEAD).next_power_of_two().ilog2();
     let ports: Vec<String> = lanes.iter().map(|(name, _)| format!("in_{name}")).collect();
     let mut inputs: Vec<(&str, &Signal)> =
         ports.iter().map(String::as_str).zip(lanes.iter().map(|(_, s)| s)).collect();

@@ -25,5 +25,6 @@ mod outer;
 mod single;
 mod top;
 
+pub use single::LATER;
 pub use top::HOP;
 pub(super) use top::build;

@@ -14,9 +14,12 @@ use crate::error::Result;
 use crate::hdl::serial::Turn;
 use crate::hdl::{Builder, Module, Signal, Word};
 
+/// Clocks from a step of the outer differences to the strip: the heads leave these, and come near to the columns.
+pub const LATER: u32 = 2;
+
 /// Inputs: `waiting` (a patch is ready, of `level`), `has_room` (a beat may be issued). Outputs, out of registers: `load`
 /// (the patch is no longer waiting), `released` (another one may come), `advance` for the outer differences, and `issue`
-/// for the FIFO; and a clock after these `strip`, `step`, and for the beat that leaves `valid`, `keep_1` (it has
+/// for the FIFO; and [`LATER`] `strip`, `step`, and for the beat that leaves `valid`, `keep_1` (it has
 /// a second vertex), `strip_end`, `patch_start`, `patch_end`.
 pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
     let m = Builder::new("lane_control");
@@ -85,14 +88,15 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
     }
     m.output("advance", &advance);
     m.output("issue", &issue);
-    m.output("strip", registered("strip", &advance));
-    m.output("step", registered("step", &registered("step_next", &step)));
-    m.output("valid", registered("valid", &issue));
+    let later = |now: &Signal| m.restart(&m.delay_reset(now, LATER, 0), 0);
+    m.output("strip", later(&advance));
+    m.output("step", later(&registered("step", &step)));
+    m.output("valid", later(&issue));
     let strip_end = m.wire("strip_end_now", !&climbs);
     let patch_end = m.wire("patch_end_now", &strip_end & &last_strip);
     let flags = [("keep_1", &climbs), ("strip_end", &strip_end), ("patch_start", &fresh), ("patch_end", &patch_end)];
     for (name, now) in flags {
-        m.output(name, m.restart(&m.pipe(name, m.pipe(format!("{name}_next"), now)), 0));
+        m.output(name, m.restart(&m.delay(&m.pipe(name, now), LATER), 0));
     }
     m.finish()
 }

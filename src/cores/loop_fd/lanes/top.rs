@@ -26,6 +26,17 @@ fn nearer(m: &Builder, parameters: Parameters, axis: &str, name: &str, signal: &
     m.copy(name, signal)
 }
 
+/// A pulse, and what is 1 behind it as long as digits of its number come; so that few signals say how long.
+fn throughout(m: &Builder, parameters: Parameters, pulse: &Signal) -> [Signal; 2] {
+    if parameters.digits() == 1 {
+        return [pulse.clone(), m.bit(false)];
+    }
+    let behind = following(m, pulse, parameters.digits() - 1, None);
+    let behind = m.any(&behind.iter().collect::<Vec<_>>());
+    let name = format!("{}_goes_on", pulse.name().unwrap_or_else(|| "pulse".into()));
+    [pulse.clone(), m.restart(&m.pipe(name, &behind), pulse.time().unwrap_or(0))]
+}
+
 pub fn build(parameters: Parameters, lanes: u32) -> Result<Rc<Module>> {
     let m = Builder::new("loop_fd");
     m.purpose(
@@ -70,7 +81,7 @@ pub fn build(parameters: Parameters, lanes: u32) -> Result<Rc<Module>> {
     let [load, advance] = [&steps[0].1, &steps[1].1];
     let turn = m.wire("turn", load | advance);
     let waits = parameters.differences_wait();
-    let [loads, advances] = [load, advance].map(|pulse| following(&m, pulse, parameters.digits(), None));
+    let [loads, advances] = [load, advance].map(|pulse| throughout(&m, parameters, pulse));
     let mut vertices: Vec<Vec<Signal>> = vec![];
     for (axis, capture) in AXES.iter().zip(&captures) {
         let nearer = |signals: &mut dyn Iterator<Item = &(String, Signal)>| -> Vec<(String, Signal)> {
@@ -79,11 +90,11 @@ pub fn build(parameters: Parameters, lanes: u32) -> Result<Rc<Module>> {
         let (mut says, mut turns): (Named, Named) = (vec![], vec![]);
         if parameters.digit().is_some() {
             // Each of the three goes on through all digits; where it does stands in a register, and from there goes near.
-            let through = |name: &str, pulses: &[&[Signal]]| {
+            let through = |name: &str, pulses: &[&[Signal; 2]]| {
                 let ahead = m.any(&pulses.iter().copied().flatten().collect::<Vec<_>>());
                 (name.to_string(), m.pipe(format!("{axis}_{name}_ahead"), ahead))
             };
-            let captures = following(&m, capture, parameters.digits(), None);
+            let captures = throughout(&m, parameters, capture);
             let (turn, loads) = match waits {
                 true => (turn.clone(), &loads),
                 false => (m.wire(format!("{axis}_turn"), capture | advance), &captures),
@@ -106,6 +117,10 @@ pub fn build(parameters: Parameters, lanes: u32) -> Result<Rc<Module>> {
         let placed = m.instance(&format!("outer_{axis}"), &outer, &inputs);
         let head = |name: String, word: Word| {
             let bits = placed.out(&name);
+            let bits = match lanes {
+                1 => m.restart(&m.pipe(format!("{axis}_{name}"), &bits), bits.time().unwrap_or(0)),
+                _ => bits,
+            };
             let number = match parameters.digit() {
                 None => bits,
                 // Chunk c is what is on the bus c clocks later.
