@@ -21,31 +21,31 @@ const UNSEEN: i128 = 2;
 
 /// Clocks from the decision to issue to the credit's return, beside those of the pipeline, and the words that are
 /// never used: a FIFO this much deeper than its pipeline keeps it busy.
-pub const OVERHEAD: u32 = 11;
+pub const OVERHEAD: u32 = 12;
 
 /// Bits that one signal takes from the RAM.
 const MOST_TAKEN: u32 = 48;
 
 /// A FIFO of 2^`log_depth` words made of `lanes`.
 ///
-/// Inputs: `issue` (a word entered the pipeline in the clock before), `push` and the lanes (a word leaves it), `ready`.
+/// Inputs: `issue` (a word entered the pipeline in the clock before), `push` (one leaves it in the clock after) and then
+/// the lanes, `ready`.
 /// Outputs: `has_room` (one more may be issued), `valid` and the lanes.
 pub fn build(log_depth: u32, lanes: &[(String, Word)]) -> Result<Rc<Module>> {
     let m = Builder::new("stream_fifo");
     let depth = 1i128 << log_depth;
     m.purpose(format!("A FIFO of {depth} words behind a pipeline that runs on credits and never stalls."));
-    let [issue, push, ready] = ["issue", "push", "ready"].map(|name| m.input(name, Word::bit()));
+    let [issue, pushes, ready] = ["issue", "push", "ready"].map(|name| m.input(name, Word::bit()));
     let inputs: Vec<_> = lanes.iter().map(|(name, word)| m.input(format!("in_{name}"), *word)).collect();
 
     let pointer = Word::unsigned(log_depth);
-    let [written, read] = ["written", "read"].map(|name| m.register_reset(name, pointer, 0));
     let valid = m.register_reset("valid", Word::bit(), 0);
     let filled = m.register_reset("filled", Word::bit(), 0);
     let takes = |filled: &Signal, valid: &Signal| filled & &(!valid | &ready);
     let take = m.wire("take", takes(&filled, &valid));
 
-    m.on(&push, &written, m.wrap(&written + 1, pointer));
-    m.on(&take, &read, m.wrap(&read + 1, pointer));
+    let pushed = |name: &str| m.restart(&m.unmerged(m.pipe_reset(name, &pushes, 0)), 0);
+    let push = pushed("pushed");
     m.on(&take, &valid, m.bit(true));
     m.on(&ready, &valid, m.bit(false));
 
@@ -66,30 +66,40 @@ pub fn build(log_depth: u32, lanes: &[(String, Word)]) -> Result<Rc<Module>> {
 
     // All words of the RAM but one: a full RAM would look like an empty one.
     let has_room = m.register_reset("has_room", Word::bit(), 0);
-    let returned = m.restart(&m.pipe_reset("returned", &take, 0), 0);
+    // By way of a register beside the output to one beside the credits.
+    let returned = m.restart(&m.delay_reset(&take, 2, 0), 0);
     let room = counted("credits_left", depth - 1 - (UNSEEN + 1), &issue, &returned, [-1, 1]);
     m.always(&has_room, &room);
     m.output("has_room", &has_room);
 
     m.output("valid", &valid);
-    // Many bits at once are taken by several signals, each decided from registers of its own, from a place that it counts.
-    let (mut take, mut read, mut bits) = (take, read, 0);
+    // Bits are put and taken by several signals, each decided from registers of its own, at places that these count.
+    let (mut at, mut bits) = (None, MOST_TAKEN);
     for ((name, word), input) in lanes.iter().zip(&inputs) {
         if bits + word.width() > MOST_TAKEN {
-            let copy = |name: &str| m.unmerged(m.register_reset(format!("{name}_copy"), Word::bit(), 0));
-            let (filled, valid) = (copy("filled"), copy("valid"));
-            take = m.wire("take_copy", takes(&filled, &valid));
-            m.always(&filled, &stays_filled);
-            m.on(&take, &valid, m.bit(true));
-            m.on(&ready, &valid, m.bit(false));
-            read = m.unmerged(m.register_reset("read_copy", pointer, 0));
-            m.on(&take, &read, m.wrap(&read + 1, pointer));
+            at = None;
             bits = 0;
         }
         bits += word.width();
+        let (push, written, take, read) = at.get_or_insert_with(|| {
+            let copy = |name: &str| m.unmerged(m.register_reset(format!("{name}_copy"), Word::bit(), 0));
+            let (filled, valid) = (copy("filled"), copy("valid"));
+            let take = m.wire("take_copy", takes(&filled, &valid));
+            m.always(&filled, &stays_filled);
+            m.on(&take, &valid, m.bit(true));
+            m.on(&ready, &valid, m.bit(false));
+            let push = pushed("pushed_copy");
+            let place = |name: &str, steps: &Signal| {
+                let place = m.unmerged(m.register_reset(name, pointer, 0));
+                m.on(steps, &place, m.wrap(&place + 1, pointer));
+                place
+            };
+            let (written, read) = (place("written", &push), place("read", &take));
+            (push, written, take, read)
+        });
         let ram = m.memory(&format!("ram_{name}"), depth as u32, *word, vec![]);
-        ram.write(&push, &written, input);
-        let lane = m.restart(&ram.read(&format!("read_{name}"), &read, Some(&take)), 0);
+        ram.write(push, written, input);
+        let lane = m.restart(&ram.read(&format!("read_{name}"), read, Some(take)), 0);
         m.output(format!("out_{name}"), &lane);
     }
     m.finish()

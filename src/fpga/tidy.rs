@@ -12,6 +12,8 @@
 //! A chain without an unused half gets one, in a cell behind it in place of the one before it. A half that lets a register's
 //! carry in needs no constant before it.
 //!
+//! Two registers with different enables do not fit behind one cell; where a chain ends so, its last bit moves into a cell more.
+//!
 //! Besides, [choices](super::fold) go into the cells of the adders before them, and [registers](super::fan_out) with many
 //! readers are copied; an inverter in front of resets goes into the registers. None of this changes a bit of what the circuit computes; the netlist that is simulated is the one
 //! after this step.
@@ -39,6 +41,8 @@ pub struct Tidied {
     pub sealed_chains: u64,
     /// Chains whose constant carry-in is made in a half of their own.
     pub shifted_chains: u64,
+    /// Carries that leave in a cell of their own, as their registers do not fit beside the others.
+    pub parted_carries: u64,
     /// Registers that invert their reset themselves.
     pub inverted_resets: u64,
     /// Copies of registers with many readers.
@@ -60,6 +64,7 @@ pub fn tidy(family: Family, netlist: &mut Netlist) -> Tidied {
         tidied.shifted_chains += shift_chains(module);
         tidied.inverted_resets += invert_resets(module);
         tidied.copied_registers += copy_registers(module);
+        tidied.parted_carries += part_carries(module);
     }
     tidied
 }
@@ -165,6 +170,32 @@ fn lengthen(cells: &mut Map<String, Value>, last: &str, carry: u64) -> String {
     }
     cells.insert(name.clone(), more);
     name
+}
+
+/// Moves the last bit of a chain into a cell more where its register has not the enable and the reset of that beside it.
+fn part_carries(module: &mut Value) -> u64 {
+    let nets = Nets::of(module);
+    let mut free = nets.free();
+    let Some(cells) = module["cells"].as_object_mut() else { return 0 };
+    let control = |cell: &Value, port: &str| {
+        let [(register, reads)] = nets.readers(net(cell, port)?) else { return None };
+        let register = cells.get(register).filter(|cell| cell["type"] == "TRELLIS_FF" && reads == "DI")?;
+        Some(["CE", "LSR"].map(|port| bit(register, port).cloned()))
+    };
+    let parts = |cell: &Value| match (control(cell, "S0"), control(cell, "S1")) {
+        (Some(low), Some(high)) => low != high && !bit(cell, "COUT").is_some_and(Value::is_u64),
+        _ => false,
+    };
+    let names: Vec<String> =
+        cells.iter().filter(|(_, cell)| is_carry(cell) && parts(cell)).map(|(name, _)| name.clone()).collect();
+    for name in &names {
+        let high = take(&cells[name], 1);
+        let more = lengthen(cells, name, free);
+        put(&mut cells[&more], 0, high);
+        put(&mut cells[name], 1, Half { table: json!(format!("{:016b}", 0x8000)), ..unused() });
+        free += 1;
+    }
+    names.len() as u64
 }
 
 /// A half that makes nothing, and carries 0.
@@ -359,6 +390,32 @@ mod tests {
                 assert_eq!(sums(&before, numbers), sums(&after, numbers), "{constant} {numbers:b}");
             }
             assert!((0..16).any(|numbers| sums(&before, numbers) != sums(&before, 0)));
+        }
+    }
+
+    #[test]
+    fn a_last_bit_with_an_enable_of_its_own_moves_into_a_cell_of_its_own() {
+        let register = |input: u64, enable: u64| {
+            json!({
+                "type": "TRELLIS_FF",
+                "port_directions": { "DI": "input", "CE": "input", "Q": "output" },
+                "connections": { "DI": [input], "CE": [enable], "Q": [input + 100] },
+            })
+        };
+        for (enable, parted) in [(40, 0), (41, 1)] {
+            let mut before = chain("x", &[]);
+            let cells = before.0["modules"]["m"]["cells"].as_object_mut().unwrap();
+            let bits = [(20, 40), (21, 40), (22, 40), (23, enable)];
+            for (bit, enable) in bits {
+                cells.insert(format!("r{bit}"), register(bit, enable));
+            }
+            let mut after = before.clone();
+            assert_eq!(tidy(Family::Ecp5, &mut after).parted_carries, parted);
+            for numbers in 0..16 {
+                assert_eq!(sums(&before, numbers), sums(&after, numbers), "{numbers:b}");
+            }
+            let last = if parted == 1 { ("high_more", "S0") } else { ("high", "S1") };
+            assert_eq!(after.0["modules"]["m"]["cells"][last.0]["connections"][last.1], json!([23]));
         }
     }
 

@@ -133,7 +133,8 @@ struct Machine {
     has_room: bool,
     /// Whether a row was decided on in the clock before, and what the FIFO's control knows of its words.
     issued: bool,
-    /// Whether a word left the FIFO in the clock before.
+    /// Whether a word left the FIFO in the clock before, and in the one before that.
+    takes: bool,
     returned: bool,
     filled: bool,
     /// Clocks in which words reach the FIFO, in order.
@@ -188,7 +189,7 @@ impl Machine {
         }
         self.has_room = self.credits > 2;
         self.credits = self.credits + u32::from(self.returned) - u32::from(self.issued);
-        self.returned = take;
+        (self.returned, self.takes) = (self.takes, take);
         self.issued = issue;
 
         if self.lanes.is_none() {

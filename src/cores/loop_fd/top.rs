@@ -159,12 +159,15 @@ pub(super) fn arrivals(m: &Builder, parameters: Parameters) -> Result<Arrivals> 
 
     // What belongs to the axis that leaves the start-up now. Digits follow a clock behind.
     let arrival = startup.out("n00").time().unwrap_or(0) - if digit.is_some() { LEAD } else { 0 };
-    let arrive = |signal: &Signal| m.restart(&m.delay(signal, arrival), 0);
-    let [arrived_x, arrived_y, arrived_level] = [&axis_x, &axis_y, &level].map(arrive);
-    let arrived = m.restart(&m.delay_reset(&strobe, arrival, 0), 0);
-    let whose = [arrived_x.clone(), arrived_y.clone(), !&(&arrived_x | &arrived_y)];
-    let captures =
-        [0, 1, 2].map(|index| m.wire(format!("capture_{}", AXES[index]), &arrived & &whose[index]));
+    let arrive = |signal: &Signal, clocks| m.restart(&m.delay(signal, clocks), 0);
+    let arrived_level = arrive(&level, arrival);
+    // Decided a clock before, so that each comes out of a register.
+    let [arrives_x, arrives_y] = [&axis_x, &axis_y].map(|axis| arrive(axis, arrival - 1));
+    let arrives = m.restart(&m.delay_reset(&strobe, arrival - 1, 0), 0);
+    let whose = [arrives_x.clone(), arrives_y.clone(), !&(&arrives_x | &arrives_y)];
+    let captures = [0, 1, 2].map(|index| {
+        m.restart(&m.pipe_reset(format!("capture_{}", AXES[index]), &arrives & &whose[index], 0), 0)
+    });
     let behind = if digit.is_some() { LEAD } else { lead };
     let differences: Vec<(String, Signal)> =
         differences.into_iter().map(|(name, n)| (name, m.restart(&m.delay(&n, lead), behind))).collect();
@@ -209,7 +212,7 @@ pub(super) fn stream_out(
     // The flags of a beat travel beside its numbers.
     let depth = vertices[0][0].time().unwrap_or(0);
     let beside = |flag: &Signal| m.restart(&m.delay(flag, depth), 0);
-    let push = m.restart(&m.delay_reset(beat, depth, 0), 0);
+    let push = m.restart(&m.delay_reset(beat, depth - 1, 0), 0);
     let mut lanes: Vec<(String, Signal)> = vec![];
     for (name, vertex) in names.iter().zip(vertices) {
         for (axis, signal) in AXES.iter().zip(vertex) {

@@ -63,16 +63,6 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
     turn.begins(&m, &begins);
     m.always(&prepared, m.all(&[&owned, &!&turn.busy, &!&fire]));
     m.always(&vacant, m.all(&[&!&owned, &!&turn.busy, &!&load]));
-    let released = if parameters.differences_wait() {
-        load.clone()
-    } else {
-        let drained = flag("drained");
-        let release = m.wire("release", &drained & &vacant);
-        m.on(&drains, &drained, m.bit(true));
-        m.on(&release, &drained, m.bit(false));
-        release
-    };
-
     let [first, fresh, last_strip] =
         ["first_strip", "fresh", "last_strip"].map(|name| m.register(name, Word::bit()));
     m.on(&load, &first, m.bit(true));
@@ -82,6 +72,15 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
 
     let registered = |name: &str, now: &Signal| m.restart(&m.pipe_reset(name, now, 0), 0);
     let advance = registered("advance", &fire);
+    let released = if parameters.differences_wait() {
+        load.clone()
+    } else {
+        let drained = flag("drained");
+        let release = m.wire("release", &drained & &vacant);
+        m.on(&m.wire("drains_late", &advance & &last_strip), &drained, m.bit(true));
+        m.on(&release, &drained, m.bit(false));
+        release
+    };
     let issue = registered("issue", &valid);
     for (name, now) in [("load", registered("load", &load)), ("released", registered("released", &released))] {
         m.output(name, &now);
