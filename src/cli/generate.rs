@@ -3,6 +3,7 @@
 //! The arguments and the configuration file become [`Settings`]; what is not said has a default.
 
 use super::{
+    aim::{self, Aimed},
     board,
     config::Config,
     output,
@@ -27,15 +28,21 @@ pub struct Args {
 
 #[derive(Debug, clap::Subcommand)]
 pub enum Core {
-    LoopFd(LoopFd),
-    CcStrip(CcStrip),
+    /// The forward-difference engine for regular patches of Loop surfaces
+    ///
+    /// In come the 12 control points of a patch and its level, out come the vertices of its triangle strips, two each
+    /// clock, exact up to one final rounding. Before anything is written the core is proved: it is run with exact
+    /// linear forms in place of numbers, and what comes out must be the mask of the surface.
+    LoopFd(Aimed<LoopFd>),
+    /// The sliding window for quad strips of Catmull-Clark surfaces
+    ///
+    /// In come the columns of a strip of quads with what lies around them, out come the columns of the fine strip. Every
+    /// level is proved for every valence before anything is written.
+    CcStrip(Aimed<CcStrip>),
     Board(Box<board::Args>),
 }
 
-/// The sliding window for quad strips of Catmull-Clark surfaces
-///
-/// In come the columns of a strip of quads with what lies around them, out come the columns of the fine strip. Every
-/// level is proved for every valence before anything is written.
+// Options of the core. (A comment for the documentation would become the help.)
 #[derive(Debug, clap::Args)]
 pub struct CcStrip {
     /// Format of the control points: i integer bits with the sign, f fraction bits
@@ -102,11 +109,7 @@ impl CcStrip {
     }
 }
 
-/// The forward-difference engine for regular patches of Loop surfaces
-///
-/// In come the 12 control points of a patch and its level, out come the vertices of its triangle strips, two each
-/// clock, exact up to one final rounding. Before anything is written the core is proved: it is run with exact
-/// linear forms in place of numbers, and what comes out must be the mask of the surface.
+// Options of the core. (A comment for the documentation would become the help.)
 #[derive(Debug, Default, clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct LoopFd {
@@ -168,6 +171,7 @@ Examples:
   subdiv-rtl generate loop-fd
   subdiv-rtl generate loop-fd --coordinates Q1.17 --max-level 5 -o rtl/small
   subdiv-rtl generate loop-fd --max-level 5 --fractions 8,12,14,17,18
+  subdiv-rtl generate loop-fd --min-level 8 --lanes 1 --clock 300MHz --device ecp5-85k
   subdiv-rtl generate loop-fd --config core.toml
 
 where core.toml has any of these lines:
@@ -189,14 +193,20 @@ where core.toml has any of these lines:
 /// Those of the settings; a core that cannot be built; a refuted proof; a folder that cannot be written.
 pub fn run(args: &Args) -> Result<()> {
     let (package, folder, force) = match &args.core {
-        Core::LoopFd(core) => {
+        Core::LoopFd(Aimed { core, aim }) => {
             let settings = core.settings()?;
-            let parameters = settings.parameters()?;
+            let parameters = match aim.goal()? {
+                Some(goal) => aim::loop_fd(settings.parameters()?, goal)?,
+                None => settings.parameters()?,
+            };
             let _shown = working(settings.proof);
             (package::loop_fd::package(parameters, settings.proof)?, settings.folder, settings.force)
         }
-        Core::CcStrip(core) => {
-            let parameters = core.parameters()?;
+        Core::CcStrip(Aimed { core, aim }) => {
+            let parameters = match aim.goal()? {
+                Some(goal) => aim::cc_strip(core, goal)?,
+                None => core.parameters()?,
+            };
             let folder = core.output.clone().unwrap_or(PathBuf::from("cc-strip"));
             let _shown = working(!core.no_proof);
             (package::cc_strip::package(parameters, !core.no_proof)?, folder, core.force)

@@ -104,6 +104,18 @@ pub const FINEST_LEVEL: u32 = 10;
 /// The level up to which a core is made when nothing is said.
 pub const USUAL_MAX_LEVEL: u32 = 8;
 
+/// `300`, `300MHz`: a clock in MHz.
+///
+/// # Errors
+/// Anything else.
+pub fn clock(text: &str) -> Result<f64> {
+    let number = text.trim().strip_suffix("MHz").unwrap_or(text).trim().parse::<f64>();
+    match number {
+        Ok(mhz) if (1.0..=5000.0).contains(&mhz) => Ok(mhz),
+        _ => Err(Error::usage(format!("'{text}' is no clock")).help("write megahertz, for example 300MHz")),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -157,8 +157,7 @@ mod tests {
                 let of = |place: u64| 100 + 1000 * chain + 10 * place;
                 let mut cell = carry.clone();
                 let below = if place == 0 { json!("0") } else { json!(of(place - 1)) };
-                cell["connections"] =
-                    json!({ "CIN": [below], "COUT": [of(place)], "S0": [of(place) + 1], "S1": [of(place) + 2] });
+                cell["connections"] = json!({ "CIN": [below], "COUT": [of(place)], "S0": [of(place) + 1], "S1": [of(place) + 2] });
                 cells.insert(format!("carry{chain}_{}", 9 - place), cell);
                 for half in 1..3 {
                     // Their names tell nothing of the chains.

@@ -24,6 +24,7 @@ mod harness;
 mod names;
 mod netlist;
 mod nets;
+pub mod pipelining;
 mod place;
 mod report;
 mod run;

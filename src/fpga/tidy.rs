@@ -186,8 +186,11 @@ fn part_carries(module: &mut Value) -> u64 {
         (Some(low), Some(high)) => low != high && !bit(cell, "COUT").is_some_and(Value::is_u64),
         _ => false,
     };
-    let names: Vec<String> =
-        cells.iter().filter(|(_, cell)| is_carry(cell) && parts(cell)).map(|(name, _)| name.clone()).collect();
+    let names: Vec<String> = cells
+        .iter()
+        .filter(|(_, cell)| is_carry(cell) && parts(cell))
+        .map(|(name, _)| name.clone())
+        .collect();
     for name in &names {
         let high = take(&cells[name], 1);
         let more = lengthen(cells, name, free);
@@ -208,7 +211,8 @@ fn invert_resets(module: &mut Value) -> u64 {
     let nets = Nets::of(module);
     let Some(cells) = module["cells"].as_object_mut() else { return 0 };
     let before = |cells: &Map<String, Value>, cell: &Value| {
-        let lut = cells.get(&nets.drivers.get(&net(cell, "LSR")?)?.0).filter(|cell| cell["type"] == "LUT4")?;
+        let lut =
+            cells.get(&nets.drivers.get(&net(cell, "LSR")?)?.0).filter(|cell| cell["type"] == "LUT4")?;
         let table = table(lut, "INIT")?;
         let mut pins = INPUTS.iter().enumerate().filter_map(|(nth, pin)| Some((nth, net(lut, pin)?)));
         let (Some((nth, of)), None) = (pins.next(), pins.next()) else { return None };
@@ -455,7 +459,9 @@ mod tests {
                 "connections": { "A": ["1"], "B": [10], "C": ["0"], "D": ["0"], "Z": [11] },
             })
         };
-        for (table, inverts) in [("0000000000000010", true), ("0000000000001000", false), ("0000000000001010", false)] {
+        for (table, inverts) in
+            [("0000000000000010", true), ("0000000000001000", false), ("0000000000001010", false)]
+        {
             let module = json!({ "cells": { "r": register, "inverter": lut(table) },
                 "ports": { "y": { "direction": "output", "bits": [12] } } });
             let mut netlist = Netlist(json!({ "modules": { "m": module } }));

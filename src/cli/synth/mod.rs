@@ -14,13 +14,16 @@ use std::time::Duration;
 use clap::{FromArgMatches, Subcommand};
 use serde_json::json;
 
-use super::generate;
 use super::output::{self, Format, FormatArg};
 use super::progress::Progress;
+use super::values::clock;
+use super::{aim, generate};
 use crate::cores;
 use crate::cosim::{Settings, strip_bench::protocol};
 use crate::error::{Error, Result};
 use crate::files::write_whole;
+use crate::fpga::estimate::Calibration;
+use crate::fpga::pipelining::Goal;
 use crate::fpga::{self, Device, Report, Stage, Subject, Throughput};
 use crate::model::cc_strip_clocks::clocks_per_column;
 use crate::package;
@@ -88,7 +91,8 @@ struct Work {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
     seeds: Option<u32>,
 
-    /// The clock to aim for, such as 300 or 300MHz [default: 400MHz]
+    /// The clock to aim for, such as 300 or 300MHz; a core without --chunk or --registered is pipelined for it [default:
+    /// that of the options; the tools try for 400MHz]
     #[arg(long, value_name = "F", value_parser = clock)]
     clock: Option<f64>,
 
@@ -125,16 +129,15 @@ where cores.toml has the options of 'generate' by name:
   coordinates = \"Q8.8\"
   max-level = 2";
 
-/// `300`, `300MHz`: a clock in MHz.
-fn clock(text: &str) -> Result<f64> {
-    let number = text.trim().strip_suffix("MHz").unwrap_or(text).trim().parse::<f64>();
-    match number {
-        Ok(mhz) if (1.0..=5000.0).contains(&mhz) => Ok(mhz),
-        _ => Err(Error::usage(format!("'{text}' is no clock")).help("write megahertz, for example 300MHz")),
-    }
-}
-
 impl Work {
+    /// The clock that was asked for, on a device of which one can be estimated.
+    fn goal(&self) -> Result<Option<Goal>> {
+        let goal = |mhz, device: &'static Device| Goal { device, mhz };
+        let device = Device::named(self.device.as_deref().unwrap_or("ecp5-85k"))?;
+        let known = Calibration::built_in()?.constants(device.family).is_some();
+        Ok(self.clock.filter(|_| known).map(|mhz| goal(mhz, device)))
+    }
+
     fn options(&self) -> Result<fpga::Options> {
         let device = Device::named(self.device.as_deref().unwrap_or("ecp5-85k"))?;
         let timeout = Duration::from_secs(self.timeout);
@@ -165,8 +168,20 @@ impl Core {
 
     fn subject(&self) -> Result<Subject> {
         match self {
-            Core::LoopFd(one) => loop_fd(one.core.settings()?.parameters()?),
-            Core::CcStrip(one) => cc_strip(one.core.parameters()?),
+            Core::LoopFd(one) => {
+                let parameters = one.core.settings()?.parameters()?;
+                loop_fd(match one.work.goal()?.filter(|_| parameters.chunk.is_none()) {
+                    Some(goal) => aim::loop_fd(parameters, goal)?,
+                    None => parameters,
+                })
+            }
+            Core::CcStrip(one) => {
+                let parameters = one.core.parameters()?;
+                cc_strip(match one.work.goal()?.filter(|_| !parameters.registered) {
+                    Some(goal) => aim::cc_strip(&one.core, goal)?,
+                    None => parameters,
+                })
+            }
         }
     }
 }

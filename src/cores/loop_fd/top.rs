@@ -228,8 +228,7 @@ pub(super) fn stream_out(
         lanes.push((name.into(), beside(flag)));
     }
     let shapes: Vec<(String, Word)> = lanes.iter().map(|(name, s)| (name.clone(), s.word())).collect();
-    let log_depth =
-        (parameters.decided_before() + depth + stream_fifo::OVERHEAD).next_power_of_two().ilog2();
+    let log_depth = (parameters.decided_before() + depth + stream_fifo::OVERHEAD).next_power_of_two().ilog2();
     let ports: Vec<String> = lanes.iter().map(|(name, _)| format!("in_{name}")).collect();
     let mut inputs: Vec<(&str, &Signal)> =
         ports.iter().map(String::as_str).zip(lanes.iter().map(|(_, s)| s)).collect();

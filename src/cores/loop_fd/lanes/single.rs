@@ -59,7 +59,8 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
 
     // Both are known a clock late, as is that a turn is over.
     let turn = Turn::new(&m, parameters.digits().saturating_sub(1).max(1));
-    let begins = if parameters.differences_wait() { m.wire("turn_begins", &load | &fire) } else { fire.clone() };
+    let begins =
+        if parameters.differences_wait() { m.wire("turn_begins", &load | &fire) } else { fire.clone() };
     turn.begins(&m, &begins);
     m.always(&prepared, m.all(&[&owned, &!&turn.busy, &!&fire]));
     m.always(&vacant, m.all(&[&!&owned, &!&turn.busy, &!&load]));
@@ -82,7 +83,8 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
         release
     };
     let issue = registered("issue", &valid);
-    for (name, now) in [("load", registered("load", &load)), ("released", registered("released", &released))] {
+    for (name, now) in [("load", registered("load", &load)), ("released", registered("released", &released))]
+    {
         m.output(name, &now);
     }
     m.output("advance", &advance);
@@ -93,7 +95,8 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
     m.output("valid", later(&issue));
     let strip_end = m.wire("strip_end_now", !&climbs);
     let patch_end = m.wire("patch_end_now", &strip_end & &last_strip);
-    let flags = [("keep_1", &climbs), ("strip_end", &strip_end), ("patch_start", &fresh), ("patch_end", &patch_end)];
+    let flags =
+        [("keep_1", &climbs), ("strip_end", &strip_end), ("patch_start", &fresh), ("patch_end", &patch_end)];
     for (name, now) in flags {
         m.output(name, m.restart(&m.delay(&m.pipe(name, now), LATER), 0));
     }
