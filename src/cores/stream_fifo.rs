@@ -23,7 +23,8 @@ const UNSEEN: i128 = 2;
 /// never used: a FIFO this much deeper than its pipeline keeps it busy.
 pub const OVERHEAD: u32 = 12;
 
-/// Bits that one signal takes from the RAM.
+/// Bits that one count reads from the RAM, and that one signal takes from there.
+const MOST_READ: u32 = 24;
 const MOST_TAKEN: u32 = 48;
 
 /// A FIFO of 2^`log_depth` words made of `lanes`.
@@ -74,7 +75,12 @@ pub fn build(log_depth: u32, lanes: &[(String, Word)]) -> Result<Rc<Module>> {
 
     m.output("valid", &valid);
     // Bits are put and taken by several signals, each decided from registers of its own, at places that these count.
-    let (mut at, mut bits) = (None, MOST_TAKEN);
+    let place = |name: &str, steps: &Signal| {
+        let place = m.unmerged(m.register_reset(name, pointer, 0));
+        m.on(steps, &place, m.wrap(&place + 1, pointer));
+        place
+    };
+    let (mut at, mut bits, mut reads) = (None, MOST_TAKEN, 0);
     for ((name, word), input) in lanes.iter().zip(&inputs) {
         if bits + word.width() > MOST_TAKEN {
             at = None;
@@ -89,14 +95,13 @@ pub fn build(log_depth: u32, lanes: &[(String, Word)]) -> Result<Rc<Module>> {
             m.on(&take, &valid, m.bit(true));
             m.on(&ready, &valid, m.bit(false));
             let push = pushed("pushed_copy");
-            let place = |name: &str, steps: &Signal| {
-                let place = m.unmerged(m.register_reset(name, pointer, 0));
-                m.on(steps, &place, m.wrap(&place + 1, pointer));
-                place
-            };
-            let (written, read) = (place("written", &push), place("read", &take));
-            (push, written, take, read)
+            reads = 0;
+            (push.clone(), place("written", &push), take.clone(), place("read", &take))
         });
+        if reads > 0 && reads + word.width() > MOST_READ {
+            (*read, reads) = (place("read", take), 0);
+        }
+        reads += word.width();
         let ram = m.memory(&format!("ram_{name}"), depth as u32, *word, vec![]);
         ram.write(push, written, input);
         let lane = m.restart(&ram.read(&format!("read_{name}"), read, Some(take)), 0);

@@ -372,9 +372,9 @@ type Truth<'a> = dyn Fn(&dyn Fn(u64) -> bool) -> bool + 'a;
 
 /// A function of some nets: its table has the first net at the lowest place.
 #[derive(Clone, Debug, PartialEq, Eq)]
-struct Function {
-    nets: Vec<u64>,
-    table: u64,
+pub(super) struct Function {
+    pub nets: Vec<u64>,
+    pub table: u64,
 }
 
 impl Function {
@@ -392,7 +392,7 @@ impl Function {
         Some(Function::tabled(nets, &at))
     }
 
-    fn of_lut(cell: &Value) -> Option<Function> {
+    pub fn of_lut(cell: &Value) -> Option<Function> {
         Function::of(cell, INPUTS.map(String::from), table(cell, "INIT")?)
     }
 
@@ -422,7 +422,7 @@ impl Function {
     }
 
     /// The function of the other nets where these have such values.
-    fn fixed(&self, known: impl Fn(u64) -> Option<bool>) -> Function {
+    pub fn fixed(&self, known: impl Fn(u64) -> Option<bool>) -> Function {
         let nets = self.nets.iter().copied().filter(|net| known(*net).is_none()).collect();
         Function::tabled(nets, &|value| self.at(&|net| known(net).unwrap_or_else(|| value(net))))
     }

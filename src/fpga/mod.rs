@@ -27,6 +27,7 @@ mod nets;
 pub mod pipelining;
 mod place;
 mod report;
+mod resets;
 mod run;
 mod structural;
 mod synthesis;

@@ -15,7 +15,7 @@
 //! Two registers with different enables do not fit behind one cell; where a chain ends so, its last bit moves into a cell more.
 //!
 //! Besides, [choices](super::fold) go into the cells of the adders before them, and [registers](super::fan_out) with many
-//! readers are copied; an inverter in front of resets goes into the registers. None of this changes a bit of what the circuit computes; the netlist that is simulated is the one
+//! readers are copied; an inverter in front of [resets](super::resets) goes into the registers, and so does a gate with the reset. None of this changes a bit of what the circuit computes; the netlist that is simulated is the one
 //! after this step.
 
 use std::collections::BTreeMap;
@@ -26,7 +26,8 @@ use super::device::Family;
 use super::fan_out::copy_registers;
 use super::fold::{absorb_operands, fold_choices, seal_chains};
 use super::netlist::Netlist;
-use super::nets::{Nets, bit, net, open, table};
+use super::nets::{Nets, bit, net, open};
+use super::resets::{direct_resets, invert_resets};
 
 /// What was removed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -45,6 +46,8 @@ pub struct Tidied {
     pub parted_carries: u64,
     /// Registers that invert their reset themselves.
     pub inverted_resets: u64,
+    /// Registers that are reset themselves, not by a gate before them.
+    pub direct_resets: u64,
     /// Copies of registers with many readers.
     pub copied_registers: u64,
 }
@@ -63,6 +66,7 @@ pub fn tidy(family: Family, netlist: &mut Netlist) -> Tidied {
         tidied.sealed_chains += seal_chains(module);
         tidied.shifted_chains += shift_chains(module);
         tidied.inverted_resets += invert_resets(module);
+        tidied.direct_resets += direct_resets(module);
         tidied.copied_registers += copy_registers(module);
         tidied.parted_carries += part_carries(module);
     }
@@ -204,46 +208,6 @@ fn part_carries(module: &mut Value) -> u64 {
 /// A half that makes nothing, and carries 0.
 fn unused() -> Half {
     Half { inputs: [(); 4].map(|()| json!(["1"])), table: json!(format!("{:016b}", 0)), sum: open() }
-}
-
-/// Registers behind an inverter of their reset take what stands before it, and invert it themselves.
-fn invert_resets(module: &mut Value) -> u64 {
-    let nets = Nets::of(module);
-    let Some(cells) = module["cells"].as_object_mut() else { return 0 };
-    let before = |cells: &Map<String, Value>, cell: &Value| {
-        let lut =
-            cells.get(&nets.drivers.get(&net(cell, "LSR")?)?.0).filter(|cell| cell["type"] == "LUT4")?;
-        let table = table(lut, "INIT")?;
-        let mut pins = INPUTS.iter().enumerate().filter_map(|(nth, pin)| Some((nth, net(lut, pin)?)));
-        let (Some((nth, of)), None) = (pins.next(), pins.next()) else { return None };
-        let at = |high: bool| {
-            let place = |(n, pin): (usize, &&str)| {
-                let set = if n == nth { high } else { bit(lut, pin).is_some_and(|pin| pin == "1") };
-                usize::from(set) << n
-            };
-            table >> INPUTS.iter().enumerate().map(place).sum::<usize>() & 1 == 1
-        };
-        (at(false) && !at(true)).then_some(of)
-    };
-    let plain = |cell: &Value| cell["type"] == "TRELLIS_FF" && cell["parameters"]["LSRMUX"] == "LSR";
-    let registers: Vec<(String, u64)> = cells
-        .iter()
-        .filter(|(_, cell)| plain(cell))
-        .filter_map(|(name, cell)| Some((name.clone(), before(cells, cell)?)))
-        .collect();
-    for (name, of) in &registers {
-        let cell = &mut cells[name];
-        cell["connections"]["LSR"] = json!([of]);
-        cell["parameters"]["LSRMUX"] = json!("INV");
-    }
-    if registers.is_empty() {
-        return 0;
-    }
-    let nets = Nets::of(module);
-    let Some(cells) = module["cells"].as_object_mut() else { return 0 };
-    let unread = |cell: &Value| net(cell, "Z").is_some_and(|out| nets.readers(out).is_empty());
-    cells.retain(|_, cell| cell["type"] != "LUT4" || !unread(cell));
-    registers.len() as u64
 }
 
 /// Whether every half of the chain passes the carry on as adders do.
@@ -440,36 +404,6 @@ mod tests {
                 assert_eq!(sums(&before, numbers), sums(&after, numbers), "{constant} {numbers:b}");
             }
             assert!((0..16).any(|numbers| sums(&before, numbers) != sums(&before, 0)));
-        }
-    }
-
-    #[test]
-    fn an_inverter_before_resets_goes_into_the_registers_and_another_function_does_not() {
-        let register = json!({
-            "type": "TRELLIS_FF",
-            "parameters": { "LSRMUX": "LSR" },
-            "port_directions": { "LSR": "input", "Q": "output" },
-            "connections": { "LSR": [11], "Q": [12] },
-        });
-        let lut = |table: &str| {
-            json!({
-                "type": "LUT4",
-                "parameters": { "INIT": table },
-                "port_directions": { "A": "input", "B": "input", "C": "input", "D": "input", "Z": "output" },
-                "connections": { "A": ["1"], "B": [10], "C": ["0"], "D": ["0"], "Z": [11] },
-            })
-        };
-        for (table, inverts) in
-            [("0000000000000010", true), ("0000000000001000", false), ("0000000000001010", false)]
-        {
-            let module = json!({ "cells": { "r": register, "inverter": lut(table) },
-                "ports": { "y": { "direction": "output", "bits": [12] } } });
-            let mut netlist = Netlist(json!({ "modules": { "m": module } }));
-            assert_eq!(tidy(Family::Ecp5, &mut netlist).inverted_resets, u64::from(inverts));
-            let cells = &netlist.0["modules"]["m"]["cells"];
-            assert_eq!(cells["r"]["connections"]["LSR"], json!([if inverts { 10 } else { 11 }]));
-            assert_eq!(cells["r"]["parameters"]["LSRMUX"], if inverts { "INV" } else { "LSR" });
-            assert_eq!(cells["inverter"].is_null(), inverts);
         }
     }
 }

@@ -34,19 +34,19 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
     let [beat_last, beat_level] =
         [("beat_last", &last), ("beat_level", &user)].map(|(name, of)| m.restart(&m.pipe(name, of), 0));
 
-    // full: 12 points are here. axis: the one being handed over.
+    // full: 12 points are here. x, y, z: which axis is handed over next.
     let full = m.register_reset("full", Word::bit(), 0);
-    let axis = m.register_reset("axis", Word::range(0, 2), 0);
-    let [first, second, third] = [0, 1, 2].map(|nth| m.is(&axis, nth));
+    let [first, second, third] =
+        [("x", 1), ("y", 0), ("z", 0)].map(|(name, reset)| m.register_reset(name, Word::bit(), reset));
     // Numbers in digits take as many clocks for each axis.
     let clocks = if parameters.lanes.is_some() { parameters.digits() } else { 1 };
     let turn = Turn::new(&m, clocks);
     let strobe = m.wire("strobe_now", m.all(&[&full, &!&turn.busy, &(!&first | &slot_free)]));
     turn.begins(&m, &strobe);
     let leaving = m.wire("leaving", &strobe & &third);
-    let next_axis = m.wrap(&axis + 1, Word::unsigned(2));
-    m.on(&leaving, &axis, m.constant(0, axis.word()));
-    m.on(&strobe, &axis, m.wrap(&next_axis, axis.word()));
+    for (axis, before) in [(&first, &third), (&second, &first), (&third, &second)] {
+        m.on(&strobe, axis, before);
+    }
 
     // 0 .. 11: the number of points here; 12: too many, skip to the end of the packet. What is decided from it stands in
     // registers, one for each verdict.
