@@ -11,7 +11,7 @@
 use super::buffer;
 use super::engine::Outgoing;
 use super::output::{Offer, Output, Standing, Vertex};
-use super::wait::wait;
+use super::wait::Waits;
 use crate::cores::loop_fd::AXES;
 use crate::error::Result;
 use crate::fixed::Rounding;
@@ -47,10 +47,11 @@ impl Output<'_> {
 
         // From here on the flag beside it says when a column is there.
         let here = |signal: &Signal| m.restart(signal, 0);
+        let waits = Waits::new(m);
         let of_level = |name: &str, of: &dyn Fn(&Offer) -> Signal| {
             let flags = self.offers.iter().zip(1..).map(|(offer, level)| {
                 let flag = [(format!("{name}{level}"), of(offer))];
-                let flag = wait(m, &format!("{name}{level}_slot"), &flag, time(offer)).remove(0);
+                let flag = waits.until(&format!("{name}{level}_slot"), &flag, time(offer)).remove(0);
                 &self.is[level - 1] & &here(&m.wire(format!("{name}{level}"), &flag))
             });
             any(flags.collect())

@@ -18,7 +18,7 @@
 use std::rc::Rc;
 
 use super::fan::{End, kappa64, names};
-use super::wait::wait;
+use super::wait::Waits;
 use super::{Parameters, VALENCE_BITS};
 use crate::error::Result;
 use crate::fixed::{Range, Rounding};
@@ -339,7 +339,8 @@ pub fn build(parameters: Parameters, level: u32) -> Result<Rc<Module>> {
             round("face_rounded", &m.signal(16 * &m.at_time(&last_face, spoke.time().unwrap_or(0)))),
         ),
     ];
-    let late = wait(&m, "side_slot", &stream, times.sides());
+    let waits = Waits::new(&m);
+    let late = waits.until("side_slot", &stream, times.sides());
     let stream: Vec<(String, Signal)> = ["fan_a".to_string(), "fan_x".into()].into_iter().zip(late).collect();
 
     // Where the stream is, a step further than the place that it brings.
@@ -353,7 +354,7 @@ pub fn build(parameters: Parameters, level: u32) -> Result<Rc<Module>> {
             fetch(name, &caught);
         }
     }
-    let stream: Vec<Signal> = wait(&m, "fan_slot", &stream, times.fans());
+    let stream: Vec<Signal> = waits.until("fan_slot", &stream, times.fans());
     let fans = Steps::new(&m, "fans", &m.delay(&start, times.fans() - 1), times.steps);
     let out = times.done() + 1;
     for end in End::BOTH {

@@ -12,7 +12,7 @@ use super::engine::{self, Outgoing, equals, incoming_places, producer};
 use super::output::{Offer, Output};
 use super::ring_walk::{Times, strobes};
 use super::schedule::Group;
-use super::wait::wait;
+use super::wait::Waits;
 use super::window::Producer;
 use super::{Parameters, USER_BITS, control, loader, walked_control, word_stage};
 use crate::cores::loop_fd::AXES;
@@ -85,6 +85,7 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
             false => word.clone(),
         })
         .collect();
+    let waits = Waits::new(&m);
     let mut stages: Vec<Stage> = vec![];
     for (index, group) in groups.iter().enumerate() {
         let before = index.checked_sub(1).map(|at| (&groups[at], &stages[at]));
@@ -118,7 +119,7 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
                     || times.max().unwrap_or(0) + 3,
                     |(_, stage)| stage.columns[axis].rows[0].time().unwrap_or(1),
                 );
-                steering_late.get_or_insert_with(|| steer_late(&m, data - 2, index, &ports));
+                steering_late.get_or_insert_with(|| steer_late(&m, &waits, data - 2, index, &ports));
                 let late = steering_late.iter().flatten();
                 for ((_, signal), late) in ports.iter_mut().filter(|(_, s)| is_early(s, data - 2)).zip(late) {
                     let name = late.name().unwrap_or_default();
@@ -234,11 +235,11 @@ fn is_early(signal: &Signal, clock: u32) -> bool {
 }
 
 /// What steers the engines of a group at a later clock, by way of RAMs: control is far ahead of the data.
-fn steer_late(m: &Builder, clock: u32, index: usize, ports: &[(String, Signal)]) -> Vec<Signal> {
+fn steer_late(m: &Builder, waits: &Waits, clock: u32, index: usize, ports: &[(String, Signal)]) -> Vec<Signal> {
     let early = ports.iter().filter(|(_, signal)| is_early(signal, clock));
     let signals: Vec<(String, Signal)> =
         early.map(|(port, signal)| (format!("{port}_{index}"), signal.clone())).collect();
-    let late = wait(m, &format!("steering_slot_{index}"), &signals, clock);
+    let late = waits.until(&format!("steering_slot_{index}"), &signals, clock);
     signals.iter().zip(late).map(|((name, _), signal)| m.wire(format!("{name}_steers"), &signal)).collect()
 }
 

@@ -13,7 +13,7 @@ use super::engine::{Outgoing, Unit, chosen_by, equals};
 use super::fan::{self, End};
 use super::ring_walk::{self, Walked, strobes};
 use super::row_filter;
-use super::wait::wait;
+use super::wait::Waits;
 use super::window::STAGES;
 use crate::error::Result;
 use crate::hdl::Signal;
@@ -66,16 +66,17 @@ impl Unit<'_> {
         let all = |names: &[String]| -> Vec<(String, Signal)> {
             names.iter().map(|name| (name.clone(), made.out(name))).collect()
         };
-        let inner = wait(m, "row_slot", &all(&names[1..last]), done + 1);
+        let waits = Waits::new(m);
+        let inner = waits.until("row_slot", &all(&names[1..last]), done + 1);
         let mut outer = vec![names[0].clone(), names[last].clone()];
         if outside {
             outer.extend(["face_above".to_string(), "face_below".into()]);
         }
-        let outer = wait(m, "end_slot", &all(&outer), done);
+        let outer = waits.until("end_slot", &all(&outer), done);
         let first_slice = equals(m, self.slice, 0).unwrap_or_else(|| m.bit(true));
         let replaces = m.pipe("replaces_top", &first_slice & &!face);
         let flags = [("replaces_top".to_string(), replaces), ("is_face".into(), m.pipe("is_face", face))];
-        let flags = wait(m, "flag_slot", &flags, done - 1);
+        let flags = waits.until("flag_slot", &flags, done - 1);
         let copy = |name: &str, flag: &Signal| m.copy(name, flag);
 
         let [top, bottom] = &ends.ends;
