@@ -44,6 +44,10 @@ fn variants(levels: u32) -> Vec<Parameters> {
             let registered =
                 |rows_per_clock| Parameters { registered: true, rows_per_clock, ..exact(levels) };
             all.extend([None, Some(2), Some(4)].map(registered));
+            all.extend(
+                [(2, 1), (2, levels - 1), (4, levels - 1)]
+                    .map(|(rows, axes_in_turn)| Parameters { axes_in_turn, ..registered(Some(rows)) }),
+            );
         }
         if schedule != Schedule::Double {
             all.extend(rows.into_iter().map(|r| Parameters {

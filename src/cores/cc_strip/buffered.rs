@@ -107,12 +107,34 @@ impl Output<'_> {
             &buffer::credits(log_depth, unasked)?,
             &[("issue", &issue), ("take", &flags.out("take"))],
         );
+        // Where coordinates take turns, x and y wait for z.
+        let coarse = &self.is[..self.parameters.axes_in_turn as usize];
+        let takes_turns = match coarse {
+            [] => m.bit(false),
+            _ => m.restart(&m.pipe("takes_turns", m.any(&coarse.iter().collect::<Vec<_>>())), 0),
+        };
+        let period = self.offers.iter().map(|offer| offer.period).max().unwrap_or(0);
+        let together = |name: &str, signal: Signal, axis: usize| {
+            let until = (2 - axis as u32) * period;
+            here(&waits.until(&format!("{name}_slot"), &[(name.to_string(), signal)], until)[0])
+        };
         let mut vertices = vec![];
         for row in 0..lanes {
             let name = format!("row{row}");
             let mut into: Vec<(&str, Signal)> = vec![];
             for (axis, letter) in AXES.into_iter().enumerate() {
-                let aligned = self.aligned(row, |offer| columns[index(offer)?][axis].rows.get(row));
+                let of = |in_turn: bool| {
+                    let of = |offer: &Offer| columns[index(offer)?][axis].rows.get(row).filter(|_| offer.group.in_turn == in_turn);
+                    self.offers.iter().any(|offer| of(offer).is_some()).then(|| self.aligned(row, of))
+                };
+                let aligned = match (of(true), of(false)) {
+                    (Some(turns), Some(other)) => {
+                        let turns = together(&format!("{name}_{letter}_of_turn"), turns, axis);
+                        m.select(&takes_turns, &turns, &other)
+                    }
+                    (Some(turns), None) => together(&format!("{name}_{letter}_of_turn"), turns, axis),
+                    (_, other) => other.unwrap_or_else(|| self.aligned(row, |_| None)),
+                };
                 let aligned = m.pipe(format!("{name}_{letter}_aligned"), &aligned);
                 let drop = aligned.word().fraction - self.parameters.output_fraction as i32;
                 let rounded = m.round(&aligned, drop as u32, Rounding::HalfUp);

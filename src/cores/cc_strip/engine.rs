@@ -115,6 +115,7 @@ pub fn build(parameters: Parameters, index: usize, groups: &[Group]) -> Result<R
         false => outside_places(parameters).into_iter().map(forward).collect(),
     };
     let mut placed = vec![];
+    let mut axis = None;
     for &level in &levels {
         let from = if level == levels[0] {
             producer(index.checked_sub(1).map(|g| &groups[g]))
@@ -140,6 +141,7 @@ pub fn build(parameters: Parameters, index: usize, groups: &[Group]) -> Result<R
                 &Inner { begin, write, slice: &slice, face: &face, rows: &made, outside: &made_outside },
             )
         };
+        axis = axis.or(ports.iter().find(|(name, _)| name == "axis").map(|(_, axis)| axis.clone()));
         let inputs: Vec<(&str, &Signal)> =
             ports.iter().map(|(name, signal)| (name.as_str(), signal)).collect();
         placed.push(m.instance(&format!("window_{level}"), &unit, &inputs));
@@ -150,7 +152,7 @@ pub fn build(parameters: Parameters, index: usize, groups: &[Group]) -> Result<R
     let unit = Unit { m: &m, parameters, group, columns: &columns, serve: &serve, slice: &slice };
     if group.walked {
         let walk = bit("walk".into());
-        let (column, fans) = unit.walked(&face, valences, &walk)?;
+        let (column, fans) = unit.walked(&face, valences, &walk, axis.as_ref())?;
         let names = (0..group.lanes()).map(|u| format!("row_{u}")).chain(passed_places(parameters, group));
         for (name, signal) in names.zip(column.rows.iter().chain(&column.outside)) {
             m.output(format!("out_{name}"), m.wire(format!("out_{name}"), fit(&m, signal, finest)));

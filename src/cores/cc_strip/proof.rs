@@ -15,6 +15,7 @@ use std::collections::BTreeMap;
 use super::Parameters;
 use super::engine::{self, passed_places};
 use super::fan::{End, fan_names};
+use super::places::BY_AXIS;
 use super::schedule::Group;
 use super::window::{KEPT, STAGES};
 use crate::error::{Error, Kind, Result};
@@ -72,10 +73,14 @@ pub fn prove(parameters: Parameters) -> Result<Proof> {
                 // Different valences at the two ends, so that they cannot be mixed up.
                 let other = if valence == parameters.max_valence { 3 } else { valence + 1 };
                 let valences = [valence, other];
-                let claim = Statement { parameters, group: &groups[index], level, valences };
-                let (vertices, claims) = claim.prove(&flat, delay)?;
-                proof.vertices += vertices;
-                proof.claims += claims;
+                let axes: &[_] =
+                    if parameters.in_turn(level) { &[Some(0), Some(1), Some(2)] } else { &[None] };
+                for &axis in axes {
+                    let claim = Statement { parameters, group: &groups[index], level, valences, axis };
+                    let (vertices, claims) = claim.prove(&flat, delay)?;
+                    proof.vertices += vertices;
+                    proof.claims += claims;
+                }
             }
         }
     }
@@ -283,13 +288,15 @@ pub(super) struct Statement<'a> {
     pub(super) group: &'a Group,
     pub(super) level: u32,
     pub(super) valences: [u32; 2],
+    /// The coordinate in turn, where there are turns.
+    pub(super) axis: Option<usize>,
 }
 
 impl Statement<'_> {
     /// The engine's output is so many clocks behind its window. Returns how many vertices were compared, and how many
     /// claims were checked.
     fn prove(&self, flat: &Flat, delay: u32) -> Result<(u64, u64)> {
-        let Statement { parameters, group, level, valences } = *self;
+        let Statement { parameters, group, level, valences, .. } = *self;
         let window = Window::new(parameters.rows(level), valences);
         // At level 0 the registers hold the control points, without the guard bits.
         let guard = if level == 0 { parameters.extra_fraction(0) } else { 0 };
@@ -324,6 +331,14 @@ impl Statement<'_> {
             })
         };
         held(false).for_each(|(id, value)| simulator.set(id, value));
+        // The window of the coordinate in turn; of the others nothing is known.
+        if let Some(axis) = self.axis {
+            for (number, memory) in flat.memories.iter().enumerate() {
+                let place = memory.name.strip_prefix(here).and_then(|name| name.strip_suffix(BY_AXIS));
+                let held = place.and_then(|name| window.register(name.trim_end_matches(KEPT), sums));
+                held.into_iter().for_each(|mask| simulator.set_word(number, axis, Value::Form(form(&mask))));
+            }
+        }
         let control = |s: &mut Simulator<_>, name: &str, number: u32| {
             if let Some(id) = s.flat.input(name) {
                 s.set(id, Value::Integer(number.into()));
@@ -335,6 +350,9 @@ impl Statement<'_> {
             if is_strobe {
                 simulator.set(id, Value::Integer(0));
             }
+        }
+        for name in ["in_axis", "in_fan_axis"] {
+            control(&mut simulator, name, self.axis.unwrap_or(0) as u32);
         }
         for l in group.levels.clone() {
             control(&mut simulator, &format!("serve_{l}"), u32::from(l == level));

@@ -11,7 +11,7 @@
 use super::columns::row_names;
 use super::engine::{Outgoing, Unit, chosen_by, equals};
 use super::fan::{self, End};
-use super::ring_walk::{self, Walked, strobes};
+use super::ring_walk::{self, Walked, fan_outputs};
 use super::row_filter;
 use super::wait::Waits;
 use super::window::STAGES;
@@ -25,12 +25,14 @@ impl Unit<'_> {
         face: &Signal,
         valences: [Signal; 2],
         walk: &Signal,
+        axis: Option<&Signal>,
     ) -> Result<(Outgoing, Vec<(String, Signal)>)> {
         let (m, p, cells) = (self.m, self.parameters, self.cells());
         let outside = self.level() + 1 < p.levels;
 
         let unit = ring_walk::build(p, self.level())?;
         let mut inputs = vec![("walk".to_string(), walk.clone())];
+        inputs.extend(axis.filter(|_| outside).map(|axis| ("axis".to_string(), axis.clone())));
         for (end, valence) in End::BOTH.iter().zip(valences) {
             let view = self.end(*end, valence);
             inputs.push((format!("{}_valence", end.name()), view.valence.clone()));
@@ -98,7 +100,7 @@ impl Unit<'_> {
                 beside.push(m.pipe(name, m.select(&on_face, point, &ends.ends[at][1 + side])));
             }
         }
-        let names = strobes(p).into_iter().chain(["fan_a".to_string(), "fan_x".into()]);
+        let names = fan_outputs(p, self.level()).into_iter();
         let fans = names.map(|name| (name.clone(), m.restart(&placed.out(&name), done + 1))).collect();
         Ok((Outgoing { outside: beside, ..columns }, fans))
     }

@@ -1,7 +1,7 @@
 //! The part of the proof that a walk around the ends of a column makes: the fans, which leave by themselves.
 
 use super::proof::{Statement, VARIABLES};
-use super::ring_walk::{Times, strobes};
+use super::ring_walk::{Times, strobe_endings, strobes};
 use crate::error::{Error, Kind, Result};
 use crate::fixed::Form;
 use crate::hdl::linear::Value;
@@ -18,6 +18,9 @@ impl Statement<'_> {
     ) -> Result<u64> {
         let Statement { parameters, level, valences, .. } = *self;
         let mut compared = 0;
+        // Of the coordinate in turn.
+        let endings = strobe_endings(parameters, level);
+        let ending = endings.get(self.axis.unwrap_or(0)).cloned().unwrap_or_default();
         for clock in 0..delay + Times::of(parameters).clocks() {
             if let Some(id) = simulator.flat.input("walk") {
                 simulator.set(id, Value::Integer(i128::from(clock == 0)));
@@ -27,7 +30,7 @@ impl Statement<'_> {
             simulator.settle();
             let out = |name: &str| simulator.flat.output(name).map(|id| *simulator.get(id));
             for strobe in strobes(parameters) {
-                if out(&format!("out_{strobe}")) != Some(Value::Integer(1)) {
+                if out(&format!("out_{strobe}{ending}")) != Some(Value::Integer(1)) {
                     continue;
                 }
                 let (end, number) = strobe.split_once("_fan_").unwrap_or_default();

@@ -17,6 +17,7 @@ use std::collections::BTreeMap;
 use std::rc::Rc;
 
 use super::Parameters;
+use super::places::{Axes, Place};
 use super::fan::{End, fan_names};
 use crate::error::Result;
 use crate::hdl::{Builder, Module, Placed, Signal, Sum, Word};
@@ -63,6 +64,8 @@ pub const KEPT: &str = "_kept";
 ///
 /// Where the ends are walked around, strobes come a clock before what they are for, and every place has registers of
 /// its own for them; and a fan comes by itself, an entry a clock: `fan_a` and `fan_x`, with a strobe for every number.
+/// Where coordinates take turns, there are places for all three, and `axis` says whose are read and written, `fan_axis`
+/// whose fan comes.
 pub fn build(parameters: Parameters, level: u32, producer: Producer, sums: bool) -> Result<Rc<Module>> {
     let m = Builder::new(&format!("level_window_{level}"));
     m.purpose(format!("One coordinate of three columns of level {level} and of what lies outside of them."));
@@ -75,11 +78,13 @@ pub fn build(parameters: Parameters, level: u32, producer: Producer, sums: bool)
     let kept = if guard == 0 { "" } else { KEPT };
     // A normal weighs what the fan of its vertex has not with zero: a number it must be, from reset on.
     let weighed = parameters.normals.is_some();
+    let axes = parameters.in_turn(level).then(|| Axes::new(&m, level));
     let stage = |stage: &str, place: &str| {
         let name = format!("{stage}_{place}{kept}");
-        match weighed && is_fan(place) {
-            true => m.register_reset(name, word, 0),
-            false => m.register_at(name, word, None, u32::from(parameters.walked())),
+        match (weighed && is_fan(place), &axes) {
+            (true, _) => Place::Register(m.register_reset(name, word, 0)),
+            (_, None) => Place::Register(m.register_at(name, word, None, u32::from(parameters.walked()))),
+            (_, Some(axes)) => axes.place(&m, name, word, stage == "fan"),
         }
     };
     // A strobe for a place alone.
@@ -107,31 +112,31 @@ pub fn build(parameters: Parameters, level: u32, producer: Producer, sums: bool)
         let strobe = own("writes", &place, &strobe);
         if is_fan && level > 0 {
             let fan = stage("fan", &place);
-            m.on(&strobe, &fan, &value);
-            put(format!("fan_{place}"), &fan);
+            fan.takes(&m, &strobe, &value);
+            put(format!("fan_{place}"), fan.value());
             continue;
         }
         let next = stage("next", &place);
-        m.on(&strobe, &next, &value);
+        next.takes(&m, &strobe, &value);
         let moves = own("moves", &place, &begin);
-        let moved = |to: &Signal, from: &Signal| m.on(&moves, to, from);
+        let moved = |to: &Place, from: &Place| to.takes(&m, &moves, from.value());
         let middle = stage(if is_fan { "fan" } else { "middle" }, &place);
         moved(&middle, &next);
         if is_fan {
-            put(format!("fan_{place}"), &middle);
+            put(format!("fan_{place}"), middle.value());
             continue;
         }
-        put(format!("next_{place}"), &next);
-        put(format!("middle_{place}"), &middle);
+        put(format!("next_{place}"), next.value());
+        put(format!("middle_{place}"), middle.value());
         // The outside face over a strip edge has the vertex right of its first end, and left of its second.
         if let Some(end) = End::BOTH.iter().find(|end| sums && place == format!("{}_right", end.name())) {
-            right_of.push((end.name(), middle.clone()));
+            right_of.push((end.name(), middle.value().clone()));
         }
         if let Some(end) = End::BOTH.iter().find(|end| sums && place == format!("{}_left", end.name())) {
-            left_of.push((end.name(), next.clone()));
+            left_of.push((end.name(), next.value().clone()));
         }
         if sums && place.starts_with("row_") {
-            let sum = keep(format!("added_{place}"), &middle + &next);
+            let sum = keep(format!("added_{place}"), middle.value() + next.value());
             // Of a registered sum the previous one is taken a clock later.
             let late = sum.time().unwrap_or(0);
             let previous = m.register_at(format!("previous_{place}{kept}"), sum.word(), None, late);
@@ -141,7 +146,7 @@ pub fn build(parameters: Parameters, level: u32, producer: Producer, sums: bool)
         } else if !place.ends_with("_left") {
             let previous = stage("previous", &place);
             moved(&previous, &middle);
-            put(format!("previous_{place}"), &previous);
+            put(format!("previous_{place}"), previous.value());
         }
     }
     for ((end, left), (_, right)) in left_of.iter().zip(&right_of) {
