@@ -82,12 +82,16 @@ impl Output<'_> {
         let unasked = if self.parameters.walked() { most } else { 0 };
         let log_depth = log_depth(delay + ROUNDING + unasked);
 
-        // A FIFO for the flags and one for each row, all with a `push` of their own.
+        // A FIFO for the flags and one for each coordinate of each row, all with a `push` of their own.
         let push = m.delay_reset(&push, ROUNDING - 1, 0);
         let fifo = |name: &str, lanes: &[(&str, Signal)]| -> Result<Placed> {
             let shapes: Vec<(&str, Word)> =
                 lanes.iter().map(|(lane, signal)| (*lane, signal.word())).collect();
-            let kind = if lanes.len() < 3 { "flags" } else { ["row", "row_or_not"][lanes.len() - 3] };
+            let kind = match (name, lanes.len()) {
+                ("flags", _) => "flags",
+                (_, 1) => "coordinate",
+                _ => "coordinate_or_not",
+            };
             let unit = buffer::row(&format!("{kind}_buffer"), log_depth, self.parameters.walked(), &shapes)?;
             let mut inputs = vec![
                 ("push".to_string(), here(&m.unmerged(m.pipe_reset(format!("push_{name}"), &push, 0)))),
@@ -142,12 +146,18 @@ impl Output<'_> {
                 into.push((letter, m.pipe(format!("{name}_{letter}_rounded"), &rounded)));
             }
             let present = self.present(row, false, &ends, &ending);
-            into.extend(present.iter().map(|present| ("present", present.clone())));
-            let fifo = fifo(&name, &into)?;
+            // Whether the row is there goes with its x.
+            let present: Vec<(&str, Signal)> = present.map(|present| ("present", present)).into_iter().collect();
+            let mut fifos = vec![];
+            for (letter, coordinate) in into {
+                let more = if fifos.is_empty() { &present[..] } else { &[] };
+                let lanes = [&[(letter, coordinate)][..], more].concat();
+                fifos.push(fifo(&format!("{name}_{letter}"), &lanes)?);
+            }
             vertices.push(Vertex {
                 name,
-                coordinates: AXES.map(|axis| fifo.out(&format!("out_{axis}"))),
-                present: present.map(|_| fifo.out("out_present")),
+                coordinates: [0, 1, 2].map(|axis| fifos[axis].out(&format!("out_{}", AXES[axis]))),
+                present: (!present.is_empty()).then(|| fifos[0].out("out_present")),
             });
         }
         let standing = Standing {

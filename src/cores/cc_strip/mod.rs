@@ -41,6 +41,7 @@ pub mod proof;
 mod registered;
 mod ring_walk;
 mod row_filter;
+mod row_reader;
 pub mod schedule;
 pub mod sending;
 mod tangents;

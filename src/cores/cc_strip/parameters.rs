@@ -217,6 +217,12 @@ impl Parameters {
         level < self.axes_in_turn
     }
 
+    /// Whether the inner rows of a level are in RAMs, read in their order (see [`super::row_reader`]): where the slices
+    /// are cells, and so many that a choice among them would be slow.
+    pub fn reads_rows(self, level: u32) -> bool {
+        self.walked() && !self.in_turn(level) && self.rows_per_clock == Some(2) && level >= 3
+    }
+
     /// The finishing stage; none where refined positions leave alone.
     pub fn finish(self) -> Option<finish::Parameters> {
         (self.limit || self.normals.is_some()).then(|| finish::Parameters {

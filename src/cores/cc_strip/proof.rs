@@ -16,6 +16,7 @@ use super::Parameters;
 use super::engine::{self, passed_places};
 use super::fan::{End, fan_names};
 use super::places::BY_AXIS;
+use super::row_reader::{self, BANK};
 use super::schedule::Group;
 use super::window::{KEPT, STAGES};
 use crate::error::{Error, Kind, Result};
@@ -74,7 +75,10 @@ pub fn prove(parameters: Parameters) -> Result<Proof> {
                 let other = if valence == parameters.max_valence { 3 } else { valence + 1 };
                 let valences = [valence, other];
                 let axes: &[_] =
-                    if parameters.in_turn(level) { &[Some(0), Some(1), Some(2)] } else { &[None] };
+                    match parameters.in_turn(level) || parameters.reads_rows(level) {
+                        true => &[Some(0), Some(1), Some(2)],
+                        false => &[None],
+                    };
                 for &axis in axes {
                     let claim = Statement { parameters, group: &groups[index], level, valences, axis };
                     let (vertices, claims) = claim.prove(&flat, delay)?;
@@ -288,7 +292,7 @@ pub(super) struct Statement<'a> {
     pub(super) group: &'a Group,
     pub(super) level: u32,
     pub(super) valences: [u32; 2],
-    /// The coordinate in turn, where there are turns.
+    /// The coordinate in turn, where there are turns; the bank of the next column, where there are banks.
     pub(super) axis: Option<usize>,
 }
 
@@ -338,6 +342,7 @@ impl Statement<'_> {
                 let held = place.and_then(|name| window.register(name.trim_end_matches(KEPT), sums));
                 held.into_iter().for_each(|mask| simulator.set_word(number, axis, Value::Form(form(&mask))));
             }
+            self.banks(&mut simulator, &registers, &window, axis as u32);
         }
         let control = |s: &mut Simulator<_>, name: &str, number: u32| {
             if let Some(id) = s.flat.input(name) {
@@ -390,6 +395,12 @@ impl Statement<'_> {
                 Error::new(Kind::Mismatch, "a vertex is another function of the window").at(place)
             };
             for slice in 0..slices {
+                // A row is read once, for the slices that see it.
+                for before in slice.saturating_sub(3)..slice {
+                    control(&mut simulator, "slice", before);
+                    simulator.settle();
+                    simulator.edge(false)?;
+                }
                 control(&mut simulator, "slice", slice);
                 control(&mut simulator, &format!("shift_{}", level + 1), u32::from(slice == 0));
                 control(&mut simulator, &format!("write_{}", level + 1), u32::from(within));
@@ -438,6 +449,30 @@ impl Statement<'_> {
         match simulator.domain.failures.first() {
             Some(failure) => Err(Error { kind: Kind::Mismatch, ..failure.clone() }),
             None => Ok((compared, simulator.domain.proved.len() as u64)),
+        }
+    }
+}
+
+impl Statement<'_> {
+    /// The rows of the window in the banks of a row reader, where there is one.
+    fn banks(
+        &self,
+        simulator: &mut Simulator<LinearForms<VARIABLES>>,
+        registers: &BTreeMap<String, NodeId>,
+        window: &Window,
+        next: u32,
+    ) {
+        if let Some(&bank) = registers.get(&format!("row_reader.{BANK}")) {
+            simulator.set(bank, Value::Integer(next.into()));
+        }
+        let places = (0..STAGES.len()).flat_map(|column| [0, 1].map(|parity| (column, parity)));
+        for (column, parity) in places {
+            let name = format!("row_reader.{}", row_reader::ram(parity, row_reader::bank_of(column, next)));
+            let number = simulator.flat.memories.iter().position(|memory| memory.name == name);
+            let rows = window.columns[column].iter().skip(parity).step_by(2);
+            for (address, row) in rows.enumerate() {
+                number.into_iter().for_each(|n| simulator.set_word(n, address, Value::Form(form(row))));
+            }
         }
     }
 }

@@ -16,7 +16,7 @@ use super::row_filter;
 use super::wait::Waits;
 use super::window::STAGES;
 use crate::error::Result;
-use crate::hdl::Signal;
+use crate::hdl::{Placed, Signal};
 
 impl Unit<'_> {
     /// The slice that leaves, all of one clock, and the fans that go with its column by the names of their ports.
@@ -26,6 +26,7 @@ impl Unit<'_> {
         valences: [Signal; 2],
         walk: &Signal,
         axis: Option<&Signal>,
+        reader: Option<&Placed>,
     ) -> Result<(Outgoing, Vec<(String, Signal)>)> {
         let (m, p, cells) = (self.m, self.parameters, self.cells());
         let outside = self.level() + 1 < p.levels;
@@ -46,9 +47,10 @@ impl Unit<'_> {
 
         // The rows in turn.
         let names = row_names(cells);
-        let rows = [0, 1, 2].map(|column| -> Vec<Option<Signal>> {
+        let in_turn = |column| -> Vec<Option<Signal>> {
             names.iter().zip(-1..).map(|(name, at)| self.row_in_turn(column, name, at)).collect()
-        });
+        };
+        let rows = reader.map_or_else(|| [0, 1, 2].map(in_turn), |reader| self.rows_read(reader));
         let filter = row_filter::build(p, self.level(), cells, self.sliced())?;
         let mut inputs = vec![("face".to_string(), face.clone())];
         for (stage, rows) in STAGES.iter().zip(&rows) {

@@ -33,7 +33,10 @@ pub enum Producer {
 
 /// Places of a column at level 0 in the order of their names: rows, then at each end left, right, fan.
 pub fn places(parameters: Parameters, level: u32) -> Vec<String> {
-    let mut names: Vec<String> = (0..parameters.rows(level)).map(|k| format!("row_{k}")).collect();
+    let last = parameters.rows(level) - 1;
+    // Inner rows may be kept elsewhere.
+    let is_here = |k: &usize| !parameters.reads_rows(level) || *k < 2 || *k + 1 >= last;
+    let mut names: Vec<String> = (0..=last).filter(is_here).map(|k| format!("row_{k}")).collect();
     names.extend(outside_places(parameters));
     names
 }
@@ -182,7 +185,10 @@ impl Incoming {
                 let value = |name: String| m.input_at(name, parameters.word(level), data);
                 let row = |u: usize| value(format!("row_{u}"));
                 let rows = (0..lanes).map(row).collect();
-                let writes = (0..slices).map(|p| m.input(format!("write_{p}"), Word::bit())).collect();
+                // Inner rows that are kept elsewhere need none.
+                let is_here = |p: u32| !parameters.reads_rows(level) || p == 0 || p + 1 == slices;
+                let write = |p| m.input(format!("write_{p}"), Word::bit());
+                let writes = (0..slices).map(|p| if is_here(p) { write(p) } else { m.bit(false) }).collect();
                 let fans = match parameters.walked() {
                     false => Fans::Along(m.input("fans", Word::bit())),
                     true => Fans::Alone(["fan_a", "fan_x"].map(|name| value(name.into()))),
