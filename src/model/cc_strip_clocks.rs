@@ -294,7 +294,11 @@ impl Machine {
             let others = 2 * sender.period;
             let whole = *slice == others + sender.slices;
             let leaves = *slice > others && *slice <= others + sender.slices;
-            let done = if sender.period > 0 && sender.columns == 2 { 3 * sender.period } else { others + sender.slices };
+            let done = if sender.period > 0 && sender.columns == 2 {
+                3 * sender.period
+            } else {
+                others + sender.slices
+            };
             let done = *slice == done;
             self.levels[level].sends &= !done;
             if done {
@@ -412,7 +416,16 @@ mod tests {
     use super::*;
 
     fn core(levels: u32, schedule: Schedule, folded: bool) -> Core {
-        Core { levels, schedule, folded, rows_per_clock: None, finish: None, buffer: None, walks: [0; 7], periods: [0; 7] }
+        Core {
+            levels,
+            schedule,
+            folded,
+            rows_per_clock: None,
+            finish: None,
+            buffer: None,
+            walks: [0; 7],
+            periods: [0; 7],
+        }
     }
 
     /// The formulas of the schedules, from the level on where four words take fewer clocks than a column.

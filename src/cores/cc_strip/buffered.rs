@@ -37,7 +37,9 @@ impl Output<'_> {
             _ => m.any(&signals.iter().collect::<Vec<_>>()),
         };
         let lanes = self.offers.iter().map(|offer| offer.group.lanes()).max().unwrap_or(0);
-        let time = |offer: &Offer| offer.columns[0].rows[0].time().unwrap_or(0);
+        let walked = self.parameters.walked();
+        // The levels lie far apart: a register before the choice among them.
+        let time = |offer: &Offer| offer.columns[0].rows[0].time().unwrap_or(0) + u32::from(walked);
         let delay = self.offers.iter().map(time).max().unwrap_or(0);
         let seen = |offer: &Offer| {
             offer.control.out("out_output")
@@ -69,8 +71,18 @@ impl Output<'_> {
             .offers
             .iter()
             .map(|offer| {
+                let level = offer.group.finest() + 1;
+                let nearer = |axis: usize, (u, row): (usize, &Signal)| match walked {
+                    true => here(&m.pipe(format!("row{u}_{}_of_level_{level}", AXES[axis]), row)),
+                    false => here(row),
+                };
+                let rows = |axis: usize| -> Vec<Signal> {
+                    offer.columns[axis].rows.iter().enumerate().map(|row| nearer(axis, row)).collect()
+                };
+                // In turn, all coordinates come the same way.
+                let first = rows(0);
                 [0, 1, 2].map(|axis| Outgoing {
-                    rows: offer.columns[axis].rows.iter().map(here).collect(),
+                    rows: if axis == 0 || offer.group.in_turn { first.clone() } else { rows(axis) },
                     outside: vec![],
                 })
             })
@@ -128,7 +140,9 @@ impl Output<'_> {
             let mut into: Vec<(&str, Signal)> = vec![];
             for (axis, letter) in AXES.into_iter().enumerate() {
                 let of = |in_turn: bool| {
-                    let of = |offer: &Offer| columns[index(offer)?][axis].rows.get(row).filter(|_| offer.group.in_turn == in_turn);
+                    let of = |offer: &Offer| {
+                        columns[index(offer)?][axis].rows.get(row).filter(|_| offer.group.in_turn == in_turn)
+                    };
                     self.offers.iter().any(|offer| of(offer).is_some()).then(|| self.aligned(row, of))
                 };
                 let aligned = match (of(true), of(false)) {
@@ -147,7 +161,8 @@ impl Output<'_> {
             }
             let present = self.present(row, false, &ends, &ending);
             // Whether the row is there goes with its x.
-            let present: Vec<(&str, Signal)> = present.map(|present| ("present", present)).into_iter().collect();
+            let present: Vec<(&str, Signal)> =
+                present.map(|present| ("present", present)).into_iter().collect();
             let mut fifos = vec![];
             for (letter, coordinate) in into {
                 let more = if fifos.is_empty() { &present[..] } else { &[] };

@@ -239,10 +239,9 @@ impl Parameters {
     /// Which unit makes the columns of which levels.
     pub fn groups(self) -> Vec<Group> {
         let groups = groups(self.schedule, self.folded, self.levels, self.rows_per_clock);
-        groups.into_iter().map(|group| Group {
-            walked: self.walked(),
-            in_turn: self.in_turn(group.finest()),
-            ..group
-        }).collect()
+        groups
+            .into_iter()
+            .map(|group| Group { walked: self.walked(), in_turn: self.in_turn(group.finest()), ..group })
+            .collect()
     }
 }

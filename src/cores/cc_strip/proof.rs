@@ -74,11 +74,10 @@ pub fn prove(parameters: Parameters) -> Result<Proof> {
                 // Different valences at the two ends, so that they cannot be mixed up.
                 let other = if valence == parameters.max_valence { 3 } else { valence + 1 };
                 let valences = [valence, other];
-                let axes: &[_] =
-                    match parameters.in_turn(level) || parameters.reads_rows(level) {
-                        true => &[Some(0), Some(1), Some(2)],
-                        false => &[None],
-                    };
+                let axes: &[_] = match parameters.in_turn(level) || parameters.reads_rows(level) {
+                    true => &[Some(0), Some(1), Some(2)],
+                    false => &[None],
+                };
                 for &axis in axes {
                     let claim = Statement { parameters, group: &groups[index], level, valences, axis };
                     let (vertices, claims) = claim.prove(&flat, delay)?;

@@ -54,7 +54,8 @@ pub fn build(parameters: Parameters, level: u32) -> Result<Rc<Module>> {
         m.pipe(name, m.any(&writes))
     };
     let comes = some("comes".into(), &|_| true);
-    let bits: Vec<Signal> = (0..level - 1).map(|bit| some(format!("written_{bit}"), &|p| p >> bit & 1 == 1)).collect();
+    let bits: Vec<Signal> =
+        (0..level - 1).map(|bit| some(format!("written_{bit}"), &|p| p >> bit & 1 == 1)).collect();
     let bits: Vec<&Signal> = bits.iter().rev().collect();
     let written = m.concat(&bits);
     // Two rows further than the slice: even and odd ones of the same number lie side by side.
@@ -73,7 +74,8 @@ pub fn build(parameters: Parameters, level: u32) -> Result<Rc<Module>> {
         })
         .collect();
     for (column, stage) in STAGES.iter().enumerate() {
-        let is = |next: u32| m.copy(format!("{stage}_of_next_{next}"), m.restart(&m.is(&bank, next.into()), 1));
+        let is =
+            |next: u32| m.copy(format!("{stage}_of_next_{next}"), m.restart(&m.is(&bank, next.into()), 1));
         let odd = m.copy(format!("{stage}_is_odd"), &odd);
         let of = |next: u32| {
             let [even_row, odd_row] = &of_bank[bank_of(column, next) as usize];

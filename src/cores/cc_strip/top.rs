@@ -272,7 +272,13 @@ fn is_early(signal: &Signal, clock: u32) -> bool {
 }
 
 /// What steers the engines of a group at a later clock, by way of RAMs: control is far ahead of the data.
-fn steer_late(m: &Builder, waits: &Waits, clock: u32, index: usize, ports: &[(String, Signal)]) -> Vec<Signal> {
+fn steer_late(
+    m: &Builder,
+    waits: &Waits,
+    clock: u32,
+    index: usize,
+    ports: &[(String, Signal)],
+) -> Vec<Signal> {
     let early = ports.iter().filter(|(_, signal)| is_early(signal, clock));
     let signals: Vec<(String, Signal)> =
         early.map(|(port, signal)| (format!("{port}_{index}"), signal.clone())).collect();

@@ -17,8 +17,8 @@ use std::collections::BTreeMap;
 use std::rc::Rc;
 
 use super::Parameters;
-use super::places::{Axes, Place};
 use super::fan::{End, fan_names};
+use super::places::{Axes, Place};
 use crate::error::Result;
 use crate::hdl::{Builder, Module, Placed, Signal, Sum, Word};
 
