@@ -155,20 +155,7 @@ pub fn build(parameters: Parameters, index: usize, groups: &[Group]) -> Result<R
         placed.push(m.instance(&format!("window_{level}"), &unit, &inputs));
     }
     let reader = match levels.as_slice() {
-        [level] if parameters.reads_rows(*level) => {
-            let unit = row_reader::build(parameters, *level)?;
-            for id in &unit.inputs {
-                let port = unit.node(*id);
-                let name = port.name.clone().unwrap_or_default();
-                if !known.iter().any(|(known, _)| *known == name) {
-                    let input = m.input_at(format!("in_{name}"), port.word, port.time.unwrap_or(0));
-                    known.push((name, input));
-                }
-            }
-            let taken = known.iter().filter(|(name, _)| unit.input(name).is_some());
-            let inputs: Vec<(&str, &Signal)> = taken.map(|(n, s)| (n.as_str(), s)).collect();
-            Some(m.instance("row_reader", &unit, &inputs))
-        }
+        [level] if parameters.reads_rows(*level) => Some(row_reader::place(&m, parameters, *level, &known)?),
         _ => None,
     };
     let columns: Vec<Columns> =

@@ -15,8 +15,6 @@ use std::collections::BTreeMap;
 use super::Parameters;
 use super::engine::{self, passed_places};
 use super::fan::{End, fan_names};
-use super::places::BY_AXIS;
-use super::row_reader::{self, BANK};
 use super::schedule::Group;
 use super::window::{KEPT, STAGES};
 use crate::error::{Error, Kind, Result};
@@ -40,7 +38,7 @@ pub struct Proof {
 }
 
 /// An integer combination of the window's variables.
-type Mask = BTreeMap<usize, i128>;
+pub(super) type Mask = BTreeMap<usize, i128>;
 
 fn plus(sum: &mut Mask, factor: i128, other: &Mask) {
     for (&variable, &weight) in other {
@@ -74,12 +72,12 @@ pub fn prove(parameters: Parameters) -> Result<Proof> {
                 // Different valences at the two ends, so that they cannot be mixed up.
                 let other = if valence == parameters.max_valence { 3 } else { valence + 1 };
                 let valences = [valence, other];
-                let axes: &[_] = match parameters.in_turn(level) || parameters.reads_rows(level) {
+                let turns: &[_] = match parameters.in_turn(level) || parameters.reads_rows(level) {
                     true => &[Some(0), Some(1), Some(2)],
                     false => &[None],
                 };
-                for &axis in axes {
-                    let claim = Statement { parameters, group: &groups[index], level, valences, axis };
+                for &turn in turns {
+                    let claim = Statement { parameters, group: &groups[index], level, valences, turn };
                     let (vertices, claims) = claim.prove(&flat, delay)?;
                     proof.vertices += vertices;
                     proof.claims += claims;
@@ -91,9 +89,9 @@ pub fn prove(parameters: Parameters) -> Result<Proof> {
 }
 
 /// The control vertices around the middle column as variables.
-struct Window {
+pub(super) struct Window {
     rows: usize,
-    columns: [Vec<Mask>; 3],
+    pub(super) columns: [Vec<Mask>; 3],
     ends: [Ring; 2],
 }
 
@@ -140,7 +138,7 @@ impl Window {
     }
 
     /// What a register of the window holds, by its name; nothing where the unit must not look.
-    fn register(&self, name: &str, sums: bool) -> Option<Mask> {
+    pub(super) fn register(&self, name: &str, sums: bool) -> Option<Mask> {
         let (stage, place) = name.split_once('_')?;
         let column = STAGES.iter().position(|s| *s == stage);
         if let (Some(column), Some(row)) = (column, place.strip_prefix("row_")) {
@@ -292,7 +290,7 @@ pub(super) struct Statement<'a> {
     pub(super) level: u32,
     pub(super) valences: [u32; 2],
     /// The coordinate in turn, where there are turns; the bank of the next column, where there are banks.
-    pub(super) axis: Option<usize>,
+    pub(super) turn: Option<usize>,
 }
 
 impl Statement<'_> {
@@ -334,14 +332,8 @@ impl Statement<'_> {
             })
         };
         held(false).for_each(|(id, value)| simulator.set(id, value));
-        // The window of the coordinate in turn; of the others nothing is known.
-        if let Some(axis) = self.axis {
-            for (number, memory) in flat.memories.iter().enumerate() {
-                let place = memory.name.strip_prefix(here).and_then(|name| name.strip_suffix(BY_AXIS));
-                let held = place.and_then(|name| window.register(name.trim_end_matches(KEPT), sums));
-                held.into_iter().for_each(|mask| simulator.set_word(number, axis, Value::Form(form(&mask))));
-            }
-            self.banks(&mut simulator, &registers, &window, axis as u32);
+        if let Some(turn) = self.turn {
+            self.in_rams(&mut simulator, &registers, &window, turn);
         }
         let control = |s: &mut Simulator<_>, name: &str, number: u32| {
             if let Some(id) = s.flat.input(name) {
@@ -356,7 +348,7 @@ impl Statement<'_> {
             }
         }
         for name in ["in_axis", "in_fan_axis"] {
-            control(&mut simulator, name, self.axis.unwrap_or(0) as u32);
+            control(&mut simulator, name, self.turn.unwrap_or(0) as u32);
         }
         for l in group.levels.clone() {
             control(&mut simulator, &format!("serve_{l}"), u32::from(l == level));
@@ -452,30 +444,6 @@ impl Statement<'_> {
     }
 }
 
-impl Statement<'_> {
-    /// The rows of the window in the banks of a row reader, where there is one.
-    fn banks(
-        &self,
-        simulator: &mut Simulator<LinearForms<VARIABLES>>,
-        registers: &BTreeMap<String, NodeId>,
-        window: &Window,
-        next: u32,
-    ) {
-        if let Some(&bank) = registers.get(&format!("row_reader.{BANK}")) {
-            simulator.set(bank, Value::Integer(next.into()));
-        }
-        let places = (0..STAGES.len()).flat_map(|column| [0, 1].map(|parity| (column, parity)));
-        for (column, parity) in places {
-            let name = format!("row_reader.{}", row_reader::ram(parity, row_reader::bank_of(column, next)));
-            let number = simulator.flat.memories.iter().position(|memory| memory.name == name);
-            let rows = window.columns[column].iter().skip(parity).step_by(2);
-            for (address, row) in rows.enumerate() {
-                number.into_iter().for_each(|n| simulator.set_word(n, address, Value::Form(form(row))));
-            }
-        }
-    }
-}
-
 /// What lies outside of the ends that leave with a slice.
 fn engine_ends(parameters: Parameters, top: bool, bottom: bool) -> Vec<String> {
     let ends = End::BOTH.iter().zip([top, bottom]).filter(|(_, leaves)| *leaves);
@@ -486,7 +454,7 @@ fn engine_ends(parameters: Parameters, top: bool, bottom: bool) -> Vec<String> {
     .collect()
 }
 
-fn form(mask: &Mask) -> Form<VARIABLES> {
+pub(super) fn form(mask: &Mask) -> Form<VARIABLES> {
     let mut form = Form::variable(0, 0);
     form.coefficients[0] = 0;
     mask.iter().for_each(|(&variable, &weight)| form.coefficients[variable] = weight as i64);

@@ -87,6 +87,22 @@ pub fn build(parameters: Parameters, level: u32) -> Result<Rc<Module>> {
     m.finish()
 }
 
+/// The reader of an engine, on the ports of its window and others of their kind.
+pub fn place(m: &Builder, parameters: Parameters, level: u32, ports: &[(String, Signal)]) -> Result<Placed> {
+    let unit = build(parameters, level)?;
+    let mut inputs: Vec<(String, Signal)> = vec![];
+    for id in &unit.inputs {
+        let port = unit.node(*id);
+        let name = port.name.clone().unwrap_or_default();
+        let known = ports.iter().find(|(known, _)| *known == name).map(|(_, signal)| signal.clone());
+        let signal =
+            known.unwrap_or_else(|| m.input_at(format!("in_{name}"), port.word, port.time.unwrap_or(0)));
+        inputs.push((name, signal));
+    }
+    let inputs: Vec<(&str, &Signal)> = inputs.iter().map(|(name, signal)| (name.as_str(), signal)).collect();
+    Ok(m.instance("row_reader", &unit, &inputs))
+}
+
 impl Unit<'_> {
     /// The rows that the slice in turn sees of the three columns: above, 0, 1, below.
     pub(super) fn rows_read(&self, reader: &Placed) -> [Vec<Option<Signal>>; 3] {
