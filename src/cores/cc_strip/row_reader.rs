@@ -122,11 +122,11 @@ impl Unit<'_> {
             let read = reader.out(&format!("{stage}_read"));
             let mut below = m.select(
                 &flag("last_but_one", &last_but_one),
-                &columns.row(column, last).map_or(read.clone(), stands),
+                columns.row(column, last).map_or(read.clone(), stands),
                 &read,
             );
             if let Some(outside) = columns.row(column, last + 1) {
-                below = m.select(&flag("last", &last_of_all), &stands(outside), &below);
+                below = m.select(&flag("last", &last_of_all), stands(outside), &below);
             }
             let mut behind = m.pipe(format!("{stage}_below"), &below);
             let mut rows = vec![Some(behind.clone())];
@@ -135,7 +135,7 @@ impl Unit<'_> {
                 let before = m.restart(&behind, time);
                 let row = match columns.row(column, at) {
                     Some(first_row) => {
-                        m.select(&flag(&format!("first_{name}"), &first), &stands(first_row), &before)
+                        m.select(&flag(&format!("first_{name}"), &first), stands(first_row), &before)
                     }
                     None => before,
                 };
