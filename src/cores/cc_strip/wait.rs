@@ -5,7 +5,8 @@
 //!   └─ - k ──► read ────┘
 //! ```
 //!
-//! One counter of a module serves all of its RAMs: it alone is reset, which reaches few registers in a clock.
+//! One counter of a module serves all of its RAMs. It alone is reset, and one register alone reads it: that one may be
+//! copied all over the device, for a copy needs no reset, which reaches few registers in a clock.
 
 use std::cell::OnceCell;
 
@@ -31,12 +32,12 @@ impl<'a> Waits<'a> {
         Waits { m, turn: OnceCell::new() }
     }
 
-    /// The counter, which never stops.
+    /// The counter, which never stops, a clock late.
     fn turn(&self) -> &Signal {
         self.turn.get_or_init(|| {
             let turn = self.m.register_reset("turn_of_waits", Word::unsigned(LOG_WORDS), 0);
             self.m.always(&turn, self.m.wrap(&turn + 1, turn.word()));
-            turn
+            self.m.restart(&self.m.copy("turn_goes_round", &turn), 0)
         })
     }
 
