@@ -44,6 +44,10 @@ fn variants(levels: u32) -> Vec<Parameters> {
             let registered =
                 |rows_per_clock| Parameters { registered: true, rows_per_clock, ..exact(levels) };
             all.extend([None, Some(2), Some(4)].map(registered));
+            all.extend(
+                [(2, 1), (2, levels - 1), (4, levels - 1)]
+                    .map(|(rows, axes_in_turn)| Parameters { axes_in_turn, ..registered(Some(rows)) }),
+            );
         }
         if schedule != Schedule::Double {
             all.extend(rows.into_iter().map(|r| Parameters {
@@ -97,6 +101,26 @@ fn every_variant_draws_the_global_mesh_at_every_level() {
         let core = build(parameters).unwrap();
         for level in 1..=3 {
             run(&core, parameters, "blob-quads", level, [Stall::None; 2]);
+            run(&core, parameters, "cube-quads", level, ["bursts", "random:40"].map(|s| s.parse().unwrap()));
+        }
+    }
+}
+
+/// A vertex and a face column in cells, whose rows are read in their order; coarse levels in turn or not.
+#[test]
+fn columns_in_many_slices() {
+    for axes_in_turn in [0, 3] {
+        let parameters = Parameters {
+            registered: true,
+            rows_per_clock: Some(2),
+            axes_in_turn,
+            precision: Precision::Guard(5),
+            ..exact(4)
+        };
+        prove(parameters).unwrap();
+        let core = build(parameters).unwrap();
+        run(&core, parameters, "blob-quads", 4, [Stall::None; 2]);
+        for level in 1..=4 {
             run(&core, parameters, "cube-quads", level, ["bursts", "random:40"].map(|s| s.parse().unwrap()));
         }
     }

@@ -163,6 +163,15 @@ fn cases() -> Vec<Parameters> {
         Parameters { registered: true, precision: Precision::Guard(4), rounding: Rounding::Floor, ..rows(2) },
         Parameters { registered: true, precision: Precision::Guard(3), max_valence: 9, levels: 4, ..rows(4) },
         Parameters { registered: true, output_fraction: 9, table_bits: 30, ..rows(4) },
+        Parameters { registered: true, axes_in_turn: 2, max_valence: 7, ..rows(2) },
+        Parameters {
+            registered: true,
+            axes_in_turn: 3,
+            levels: 5,
+            precision: Precision::Guard(4),
+            rounding: Rounding::Floor,
+            ..rows(2)
+        },
         Parameters { registered: true, max_valence: 4, levels: 2, output_fraction: 5, ..exact },
         Parameters { limit: true, ..exact },
         Parameters { limit: true, output_fraction: 3, normals: normals(Kind::Faces, None), ..exact },

@@ -102,6 +102,7 @@ fn cc_strip_is_silent() {
         ("Q4.8", 8, 3, 4, cc_strip::Precision::Guard(3), 25, Schedule::Pipelined, false, Some(4)),
         ("Q4.8", 8, 3, 5, cc_strip::Precision::Guard(4), 25, Schedule::Pipelined, false, Some(2)),
         ("Q4.8", 8, 3, 4, cc_strip::Precision::Exact, 25, Schedule::Pipelined, false, None),
+        ("Q4.8", 8, 5, 5, cc_strip::Precision::Guard(4), 25, Schedule::Pipelined, false, Some(2)),
     ];
     for (
         nth,
@@ -117,6 +118,7 @@ fn cc_strip_is_silent() {
             folded,
             rows_per_clock: rows,
             registered: nth >= 6,
+            axes_in_turn: if nth == 8 { 3 } else { 0 },
             ..cc_strip::Parameters::exact(coordinates, levels, max_valence)
         };
         let what = format!("{parameters:?}");

@@ -22,6 +22,10 @@ pub struct StripUnits {
     /// A register behind every adder, for a high clock; control runs ahead of the data
     #[arg(long)]
     pub registered: bool,
+
+    /// The N coarsest levels work on x, y and z one after the other, which takes a third of the area
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub axes_in_turn: u32,
 }
 
 /// What leaves the strip core.
@@ -66,6 +70,7 @@ impl StripUnits {
             folded: self.fold,
             rows_per_clock: self.rows_per_clock,
             registered: self.registered,
+            axes_in_turn: self.axes_in_turn,
             ..parameters
         }
     }

@@ -13,6 +13,7 @@ use crate::cores::cc_strip::buffer::MIDDLE;
 use crate::cores::cc_strip::buffered::{LEAVES, ROUNDING};
 use crate::cores::cc_strip::control::WALKS;
 use crate::cores::cc_strip::finish::Kind;
+use crate::cores::cc_strip::sending::PERIOD;
 use crate::cores::cc_strip::{Parameters, Precision, Role, Schedule};
 use crate::cosim::{Beat, Port, Stimulus};
 use crate::error::{Error, Result};
@@ -146,16 +147,20 @@ pub fn protocol(core: &Module, parameters: Parameters) -> cc_strip_clocks::Core 
         rows_per_clock: parameters.rows_per_clock,
         finish: parameters.finish().map(|_| stages.count() as u32),
         buffer: buffer(core),
-        walks: [0, 1, 2, 3, 4, 5, 6].map(|level| walk(core, level)),
+        walks: [0, 1, 2, 3, 4, 5, 6].map(|level| most(core, level, WALKS)),
+        periods: [0, 1, 2, 3, 4, 5, 6].map(|level| match most(core, level, PERIOD) {
+            0 => 0,
+            last => last + 1,
+        }),
     }
 }
 
-/// Clocks of a walk around the ends of a column, as the control of its level counts them.
-fn walk(core: &Module, level: usize) -> u32 {
+/// The most that a register of the control of a level counts to; 0 where there is none.
+fn most(core: &Module, level: usize, register: &str) -> u32 {
     let name = format!("control_{level}");
     let control = core.instances.iter().find(|instance| instance.name == name);
     let count = control
-        .and_then(|control| control.module.nodes.iter().find(|node| node.name.as_deref() == Some(WALKS)));
+        .and_then(|control| control.module.nodes.iter().find(|node| node.name.as_deref() == Some(register)));
     count.map_or(0, |count| count.word.range.max as u32)
 }
 

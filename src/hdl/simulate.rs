@@ -84,6 +84,13 @@ impl<D: Domain> Simulator<D> {
         }
     }
 
+    /// Puts a value into a word of a memory, by the memory's number in the flat design.
+    pub fn set_word(&mut self, memory: usize, address: usize, value: D::Value) {
+        if let Some(word) = self.memories.get_mut(memory).and_then(|words| words.get_mut(address)) {
+            *word = value;
+        }
+    }
+
     pub fn get(&self, id: NodeId) -> &D::Value {
         &self.values[id.index()]
     }

@@ -20,6 +20,9 @@
 //!   long nothing comes in. There a word is looked at for two clocks before it is taken
 //!   from where it waits, and none comes before it has gone; it counts a clock after that, a column a clock after it was whole, and
 //!   nothing is taken while that has not counted; and a level asks for room for a whole column, a clock before its first slice.
+//! - Where a level works on x, y and z in turn, each has its slices in the first clocks of a period, in which the
+//!   ends are walked around; the next level has the column with the last slice of z, the output has it slice by
+//!   slice with those. A vertex column takes all three periods, a face column until then.
 //! - A strip of another level than the one before waits until no level has anything to send, and the finishing
 //!   stage is empty.
 
@@ -41,6 +44,8 @@ pub struct Core {
     pub buffer: Option<Buffer>,
     /// Clocks of a walk around the ends of a column, by level; none where ends are not walked around.
     pub walks: [u32; 7],
+    /// Clocks from one coordinate to the next, by level; none where they do not take turns.
+    pub periods: [u32; 7],
 }
 
 /// One strip of the input.
@@ -109,6 +114,8 @@ struct Level {
     age: u32,
     guarded: bool,
     slices: u32,
+    /// Clocks from a coordinate to the next, where they take turns.
+    period: u32,
     double: bool,
     /// Clocks of the walk that are left.
     walk: u32,
@@ -169,6 +176,7 @@ impl Machine {
             let cells = core.rows_per_clock.map_or(whole, |rows| (rows / 2).max(1).min(whole));
             for level in range.clone() {
                 levels[level].slices = ((1u32 << level) / cells).max(1);
+                levels[level].period = core.periods[level];
             }
         }
         levels[count - 1].double = core.schedule == Schedule::Double;
@@ -282,9 +290,18 @@ impl Machine {
                 self.levels[level].walk = self.core.walks[level];
             }
             (*slice, *active) = (*slice + 1, level);
-            let whole = *slice == sender.slices;
-            self.levels[level].sends &= !whole;
-            if whole {
+            // The slices of z come last, and the next level waits for them.
+            let others = 2 * sender.period;
+            let whole = *slice == others + sender.slices;
+            let leaves = *slice > others && *slice <= others + sender.slices;
+            let done = if sender.period > 0 && sender.columns == 2 {
+                3 * sender.period
+            } else {
+                others + sender.slices
+            };
+            let done = *slice == done;
+            self.levels[level].sends &= !done;
+            if done {
                 *slice = 0;
                 self.levels[level].columns -= 1;
             }
@@ -292,6 +309,9 @@ impl Machine {
                 first: sender.columns == 1 && sender.age == 1,
                 last: sender.columns == 1 && sender.guarded,
             };
+            if level + 1 == self.wanted && !leaves {
+                continue;
+            }
             if level + 1 == self.wanted {
                 reaches = Some((arrival, whole, sender.double));
             } else if whole {
@@ -396,7 +416,16 @@ mod tests {
     use super::*;
 
     fn core(levels: u32, schedule: Schedule, folded: bool) -> Core {
-        Core { levels, schedule, folded, rows_per_clock: None, finish: None, buffer: None, walks: [0; 7] }
+        Core {
+            levels,
+            schedule,
+            folded,
+            rows_per_clock: None,
+            finish: None,
+            buffer: None,
+            walks: [0; 7],
+            periods: [0; 7],
+        }
     }
 
     /// The formulas of the schedules, from the level on where four words take fewer clocks than a column.

@@ -39,6 +39,9 @@ pub fn command(parameters: Parameters) -> String {
     if parameters.registered {
         more += " --registered";
     }
+    if parameters.axes_in_turn > 0 {
+        more += &format!(" --axes-in-turn {}", parameters.axes_in_turn);
+    }
     if parameters.limit {
         more += " --limit";
     }
@@ -102,6 +105,7 @@ fn parameters_json(parameters: Parameters, stored: u64) -> Value {
         "folded": parameters.folded,
         "rows_per_clock": parameters.rows_per_clock,
         "registered": parameters.registered,
+        "axes_in_turn": parameters.axes_in_turn,
         "stored_vertices": stored,
         "positions": if parameters.limit { "limit" } else { "refined" },
         "normals": parameters.normals.map(|n| format!("{n:?}")),

@@ -6,7 +6,7 @@
 //!   └── has_room ◄──────────── credits ◄── take ◄──────────────┘
 //! ```
 //!
-//! As [`crate::cores::stream_fifo`], but cut for a high clock: every row of the column has a FIFO with its own
+//! As [`crate::cores::stream_fifo`], but cut for a high clock: every coordinate of a row has a FIFO with its own
 //! pointers, which all do the same; a register stands behind every decision, so what is issued counts two clocks
 //! later, and the last words of the RAM are kept for what is on its way. The RAM is made of lookup tables, which are
 //! faster than block RAM.
@@ -49,7 +49,7 @@ pub fn credits(log_depth: u32, unasked: u32) -> Result<Rc<Module>> {
 /// Words of a bank of a deep buffer: as many as can be read within a clock.
 const LOG_BANK: u32 = 6;
 
-/// The FIFO of a row, of a bank more than one where it is deep: then the word of the bank in turn stands in a register
+/// The FIFO of a coordinate of a row, of a bank more than one where it is deep: then the word of the bank in turn stands in a register
 /// between the banks and the output. Inputs: `push` and the lanes, `ready`. Outputs: `valid` and the lanes, and `take`: a word goes from
 /// the RAM into the register behind it.
 pub fn row(name: &str, log_depth: u32, deep: bool, lanes: &[(&str, Word)]) -> Result<Rc<Module>> {

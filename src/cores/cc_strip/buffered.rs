@@ -11,7 +11,7 @@
 use super::buffer;
 use super::engine::Outgoing;
 use super::output::{Offer, Output, Standing, Vertex};
-use super::wait::wait;
+use super::wait::Waits;
 use crate::cores::loop_fd::AXES;
 use crate::error::Result;
 use crate::fixed::Rounding;
@@ -37,7 +37,9 @@ impl Output<'_> {
             _ => m.any(&signals.iter().collect::<Vec<_>>()),
         };
         let lanes = self.offers.iter().map(|offer| offer.group.lanes()).max().unwrap_or(0);
-        let time = |offer: &Offer| offer.columns[0].rows[0].time().unwrap_or(0);
+        let walked = self.parameters.walked();
+        // The levels lie far apart: a register before the choice among them.
+        let time = |offer: &Offer| offer.columns[0].rows[0].time().unwrap_or(0) + u32::from(walked);
         let delay = self.offers.iter().map(time).max().unwrap_or(0);
         let seen = |offer: &Offer| {
             offer.control.out("out_output")
@@ -47,10 +49,11 @@ impl Output<'_> {
 
         // From here on the flag beside it says when a column is there.
         let here = |signal: &Signal| m.restart(signal, 0);
+        let waits = Waits::new(m);
         let of_level = |name: &str, of: &dyn Fn(&Offer) -> Signal| {
             let flags = self.offers.iter().zip(1..).map(|(offer, level)| {
                 let flag = [(format!("{name}{level}"), of(offer))];
-                let flag = wait(m, &format!("{name}{level}_slot"), &flag, time(offer)).remove(0);
+                let flag = waits.until(&format!("{name}{level}_slot"), &flag, time(offer)).remove(0);
                 &self.is[level - 1] & &here(&m.wire(format!("{name}{level}"), &flag))
             });
             any(flags.collect())
@@ -68,8 +71,18 @@ impl Output<'_> {
             .offers
             .iter()
             .map(|offer| {
+                let level = offer.group.finest() + 1;
+                let nearer = |axis: usize, (u, row): (usize, &Signal)| match walked {
+                    true => here(&m.pipe(format!("row{u}_{}_of_level_{level}", AXES[axis]), row)),
+                    false => here(row),
+                };
+                let rows = |axis: usize| -> Vec<Signal> {
+                    offer.columns[axis].rows.iter().enumerate().map(|row| nearer(axis, row)).collect()
+                };
+                // In turn, all coordinates come the same way.
+                let first = rows(0);
                 [0, 1, 2].map(|axis| Outgoing {
-                    rows: offer.columns[axis].rows.iter().map(here).collect(),
+                    rows: if axis == 0 || offer.group.in_turn { first.clone() } else { rows(axis) },
                     outside: vec![],
                 })
             })
@@ -81,12 +94,16 @@ impl Output<'_> {
         let unasked = if self.parameters.walked() { most } else { 0 };
         let log_depth = log_depth(delay + ROUNDING + unasked);
 
-        // A FIFO for the flags and one for each row, all with a `push` of their own.
+        // A FIFO for the flags and one for each coordinate of each row, all with a `push` of their own.
         let push = m.delay_reset(&push, ROUNDING - 1, 0);
         let fifo = |name: &str, lanes: &[(&str, Signal)]| -> Result<Placed> {
             let shapes: Vec<(&str, Word)> =
                 lanes.iter().map(|(lane, signal)| (*lane, signal.word())).collect();
-            let kind = if lanes.len() < 3 { "flags" } else { ["row", "row_or_not"][lanes.len() - 3] };
+            let kind = match (name, lanes.len()) {
+                ("flags", _) => "flags",
+                (_, 1) => "coordinate",
+                _ => "coordinate_or_not",
+            };
             let unit = buffer::row(&format!("{kind}_buffer"), log_depth, self.parameters.walked(), &shapes)?;
             let mut inputs = vec![
                 ("push".to_string(), here(&m.unmerged(m.pipe_reset(format!("push_{name}"), &push, 0)))),
@@ -106,12 +123,36 @@ impl Output<'_> {
             &buffer::credits(log_depth, unasked)?,
             &[("issue", &issue), ("take", &flags.out("take"))],
         );
+        // Where coordinates take turns, x and y wait for z.
+        let coarse = &self.is[..self.parameters.axes_in_turn as usize];
+        let takes_turns = match coarse {
+            [] => m.bit(false),
+            _ => m.restart(&m.pipe("takes_turns", m.any(&coarse.iter().collect::<Vec<_>>())), 0),
+        };
+        let period = self.offers.iter().map(|offer| offer.period).max().unwrap_or(0);
+        let together = |name: &str, signal: Signal, axis: usize| {
+            let until = (2 - axis as u32) * period;
+            here(&waits.until(&format!("{name}_slot"), &[(name.to_string(), signal)], until)[0])
+        };
         let mut vertices = vec![];
         for row in 0..lanes {
             let name = format!("row{row}");
             let mut into: Vec<(&str, Signal)> = vec![];
             for (axis, letter) in AXES.into_iter().enumerate() {
-                let aligned = self.aligned(row, |offer| columns[index(offer)?][axis].rows.get(row));
+                let of = |in_turn: bool| {
+                    let of = |offer: &Offer| {
+                        columns[index(offer)?][axis].rows.get(row).filter(|_| offer.group.in_turn == in_turn)
+                    };
+                    self.offers.iter().any(|offer| of(offer).is_some()).then(|| self.aligned(row, of))
+                };
+                let aligned = match (of(true), of(false)) {
+                    (Some(turns), Some(other)) => {
+                        let turns = together(&format!("{name}_{letter}_of_turn"), turns, axis);
+                        m.select(&takes_turns, &turns, &other)
+                    }
+                    (Some(turns), None) => together(&format!("{name}_{letter}_of_turn"), turns, axis),
+                    (_, other) => other.unwrap_or_else(|| self.aligned(row, |_| None)),
+                };
                 let aligned = m.pipe(format!("{name}_{letter}_aligned"), &aligned);
                 let drop = aligned.word().fraction - self.parameters.output_fraction as i32;
                 let rounded = m.round(&aligned, drop as u32, Rounding::HalfUp);
@@ -119,12 +160,19 @@ impl Output<'_> {
                 into.push((letter, m.pipe(format!("{name}_{letter}_rounded"), &rounded)));
             }
             let present = self.present(row, false, &ends, &ending);
-            into.extend(present.iter().map(|present| ("present", present.clone())));
-            let fifo = fifo(&name, &into)?;
+            // Whether the row is there goes with its x.
+            let present: Vec<(&str, Signal)> =
+                present.map(|present| ("present", present)).into_iter().collect();
+            let mut fifos = vec![];
+            for (letter, coordinate) in into {
+                let more = if fifos.is_empty() { &present[..] } else { &[] };
+                let lanes = [&[(letter, coordinate)][..], more].concat();
+                fifos.push(fifo(&format!("{name}_{letter}"), &lanes)?);
+            }
             vertices.push(Vertex {
                 name,
-                coordinates: AXES.map(|axis| fifo.out(&format!("out_{axis}"))),
-                present: present.map(|_| fifo.out("out_present")),
+                coordinates: [0, 1, 2].map(|axis| fifos[axis].out(&format!("out_{}", AXES[axis]))),
+                present: (!present.is_empty()).then(|| fifos[0].out("out_present")),
             });
         }
         let standing = Standing {

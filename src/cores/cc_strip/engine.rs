@@ -17,6 +17,7 @@ use std::rc::Rc;
 
 use super::columns::{face_column, row_names, vertex_column};
 use super::fan::{self, End, Replaced, fan_names};
+use super::row_reader;
 use super::schedule::Group;
 use super::view::EndView;
 use super::window::{self, Columns, Producer, is_fan, outside_places, places};
@@ -115,6 +116,13 @@ pub fn build(parameters: Parameters, index: usize, groups: &[Group]) -> Result<R
         false => outside_places(parameters).into_iter().map(forward).collect(),
     };
     let mut placed = vec![];
+    // What the row reader takes, too.
+    let mut known = vec![];
+    known.extend((!slice.is_empty()).then(|| {
+        let bits: Vec<&Signal> = slice.iter().rev().collect();
+        ("slice".to_string(), m.concat(&bits))
+    }));
+    let mut axis = None;
     for &level in &levels {
         let from = if level == levels[0] {
             producer(index.checked_sub(1).map(|g| &groups[g]))
@@ -140,17 +148,23 @@ pub fn build(parameters: Parameters, index: usize, groups: &[Group]) -> Result<R
                 &Inner { begin, write, slice: &slice, face: &face, rows: &made, outside: &made_outside },
             )
         };
+        known.extend(ports.iter().cloned());
+        axis = axis.or(ports.iter().find(|(name, _)| name == "axis").map(|(_, axis)| axis.clone()));
         let inputs: Vec<(&str, &Signal)> =
             ports.iter().map(|(name, signal)| (name.as_str(), signal)).collect();
         placed.push(m.instance(&format!("window_{level}"), &unit, &inputs));
     }
+    let reader = match levels.as_slice() {
+        [level] if parameters.reads_rows(*level) => Some(row_reader::place(&m, parameters, *level, &known)?),
+        _ => None,
+    };
     let columns: Vec<Columns> =
         levels.iter().zip(&placed).map(|(&level, placed)| Columns::new(parameters, level, placed)).collect();
 
     let unit = Unit { m: &m, parameters, group, columns: &columns, serve: &serve, slice: &slice };
     if group.walked {
         let walk = bit("walk".into());
-        let (column, fans) = unit.walked(&face, valences, &walk)?;
+        let (column, fans) = unit.walked(&face, valences, &walk, axis.as_ref(), reader.as_ref())?;
         let names = (0..group.lanes()).map(|u| format!("row_{u}")).chain(passed_places(parameters, group));
         for (name, signal) in names.zip(column.rows.iter().chain(&column.outside)) {
             m.output(format!("out_{name}"), m.wire(format!("out_{name}"), fit(&m, signal, finest)));

@@ -15,7 +15,7 @@
 use std::rc::Rc;
 
 use super::view::EndView;
-use super::wait::wait;
+use super::wait::Waits;
 use super::{Parameters, VALENCE_BITS};
 use crate::error::Result;
 use crate::hdl::{Builder, Module, Relation, Signal, Sum, Word};
@@ -77,17 +77,17 @@ impl Replaced {
     }
 
     /// All of the clock of the last.
-    pub fn together(self, m: &Builder) -> Replaced {
+    pub fn together(self, waits: &Waits) -> Replaced {
         let until = self.time().unwrap_or(0);
         let beside = [("left".to_string(), self.left), ("right".to_string(), self.right)];
-        let beside = wait(m, "beside_slot", &beside, until);
+        let beside = waits.until("beside_slot", &beside, until);
         let fan: Vec<(String, Signal)> =
             self.fan.into_iter().enumerate().map(|(i, signal)| (format!("fan_{i}"), signal)).collect();
         Replaced {
-            vertex: m.at_time(&self.vertex, until),
+            vertex: waits.m.at_time(&self.vertex, until),
             left: beside[0].clone(),
             right: beside[1].clone(),
-            fan: wait(m, "fan_slot", &fan, until),
+            fan: waits.until("fan_slot", &fan, until),
         }
     }
 

@@ -12,7 +12,7 @@
 use std::rc::Rc;
 
 use super::fan::{kappa64, names};
-use super::wait::wait;
+use super::wait::Waits;
 use super::{Parameters, VALENCE_BITS};
 use crate::error::Result;
 use crate::fixed::{Range, Rounding};
@@ -125,7 +125,11 @@ pub fn build(parameters: Parameters, level: u32) -> Result<Rc<Module>> {
     for (d, multiple) in &others {
         weighted = choose(format!("weighted_to_{d}"), &is(*d as usize), multiple, &weighted);
     }
-    let late = wait(&m, "centre_slot", &[("centre".into(), centre.clone())], weighted.time().unwrap_or(0));
+    let late = Waits::new(&m).until(
+        "centre_slot",
+        &[("centre".into(), centre.clone())],
+        weighted.time().unwrap_or(0),
+    );
     let vertex = m.pipe("replaced", &weighted + (&late[0] << (6 + bits)));
     // A convex combination: it lies in the hull, whatever the intervals say.
     let hull = word.range * (64i128 << bits);

@@ -22,6 +22,8 @@ use crate::hdl::{Builder, Placed, Signal, Word};
 pub struct Offer<'a> {
     pub group: &'a Group,
     pub control: &'a Placed,
+    /// Clocks from a coordinate to the next, where they take turns.
+    pub period: u32,
     /// By axis.
     pub columns: &'a [Outgoing; 3],
     /// The face column behind it.

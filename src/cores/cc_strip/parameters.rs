@@ -36,6 +36,8 @@ pub struct Parameters {
     pub rows_per_clock: Option<u32>,
     /// A register behind every adder, for a high clock: control runs ahead of the data.
     pub registered: bool,
+    /// The coarsest levels, so many, work on x, y and z one after the other, with a unit for all three.
+    pub axes_in_turn: u32,
     /// Limit positions leave, not refined control points.
     pub limit: bool,
     /// Normals that leave beside the positions.
@@ -59,6 +61,7 @@ impl Parameters {
             folded: false,
             rows_per_clock: None,
             registered: false,
+            axes_in_turn: 0,
             limit: false,
             normals: None,
             longitudinal: None,
@@ -113,6 +116,16 @@ impl Parameters {
                 "registered adders in a core that folds levels or finishes columns".into(),
                 "leave out --registered, or choose --schedule pipelined alone",
             );
+        }
+        if self.axes_in_turn > 0 && !self.walked() {
+            return refuse(
+                "coordinates in turn in a core that has all of them at once".into(),
+                "choose --registered and --rows-per-clock too, or leave out --axes-in-turn",
+            );
+        }
+        if self.axes_in_turn >= self.levels {
+            let help = format!("choose --axes-in-turn 0 to {}", self.levels - 1);
+            return refuse(format!("coordinates in turn at {} levels", self.axes_in_turn), &help);
         }
         if self.walked() && !matches!(self.rounding, Rounding::Floor | Rounding::HalfUp) {
             return refuse(
@@ -199,6 +212,17 @@ impl Parameters {
         self.registered && self.rows_per_clock.is_some()
     }
 
+    /// Whether a level works on one coordinate after the other.
+    pub fn in_turn(self, level: u32) -> bool {
+        level < self.axes_in_turn
+    }
+
+    /// Whether the inner rows of a level are in RAMs, read in their order (see [`super::row_reader`]): where the slices
+    /// are cells, and so many that a choice among them would be slow.
+    pub fn reads_rows(self, level: u32) -> bool {
+        self.walked() && !self.in_turn(level) && self.rows_per_clock == Some(2) && level >= 3
+    }
+
     /// The finishing stage; none where refined positions leave alone.
     pub fn finish(self) -> Option<finish::Parameters> {
         (self.limit || self.normals.is_some()).then(|| finish::Parameters {
@@ -215,6 +239,9 @@ impl Parameters {
     /// Which unit makes the columns of which levels.
     pub fn groups(self) -> Vec<Group> {
         let groups = groups(self.schedule, self.folded, self.levels, self.rows_per_clock);
-        groups.into_iter().map(|group| Group { walked: self.walked(), ..group }).collect()
+        groups
+            .into_iter()
+            .map(|group| Group { walked: self.walked(), in_turn: self.in_turn(group.finest()), ..group })
+            .collect()
     }
 }

@@ -38,7 +38,7 @@ pub struct Proof {
 }
 
 /// An integer combination of the window's variables.
-type Mask = BTreeMap<usize, i128>;
+pub(super) type Mask = BTreeMap<usize, i128>;
 
 fn plus(sum: &mut Mask, factor: i128, other: &Mask) {
     for (&variable, &weight) in other {
@@ -72,10 +72,16 @@ pub fn prove(parameters: Parameters) -> Result<Proof> {
                 // Different valences at the two ends, so that they cannot be mixed up.
                 let other = if valence == parameters.max_valence { 3 } else { valence + 1 };
                 let valences = [valence, other];
-                let claim = Statement { parameters, group: &groups[index], level, valences };
-                let (vertices, claims) = claim.prove(&flat, delay)?;
-                proof.vertices += vertices;
-                proof.claims += claims;
+                let turns: &[_] = match parameters.in_turn(level) || parameters.reads_rows(level) {
+                    true => &[Some(0), Some(1), Some(2)],
+                    false => &[None],
+                };
+                for &turn in turns {
+                    let claim = Statement { parameters, group: &groups[index], level, valences, turn };
+                    let (vertices, claims) = claim.prove(&flat, delay)?;
+                    proof.vertices += vertices;
+                    proof.claims += claims;
+                }
             }
         }
     }
@@ -83,9 +89,9 @@ pub fn prove(parameters: Parameters) -> Result<Proof> {
 }
 
 /// The control vertices around the middle column as variables.
-struct Window {
+pub(super) struct Window {
     rows: usize,
-    columns: [Vec<Mask>; 3],
+    pub(super) columns: [Vec<Mask>; 3],
     ends: [Ring; 2],
 }
 
@@ -132,7 +138,7 @@ impl Window {
     }
 
     /// What a register of the window holds, by its name; nothing where the unit must not look.
-    fn register(&self, name: &str, sums: bool) -> Option<Mask> {
+    pub(super) fn register(&self, name: &str, sums: bool) -> Option<Mask> {
         let (stage, place) = name.split_once('_')?;
         let column = STAGES.iter().position(|s| *s == stage);
         if let (Some(column), Some(row)) = (column, place.strip_prefix("row_")) {
@@ -283,13 +289,15 @@ pub(super) struct Statement<'a> {
     pub(super) group: &'a Group,
     pub(super) level: u32,
     pub(super) valences: [u32; 2],
+    /// The coordinate in turn, where there are turns; the bank of the next column, where there are banks.
+    pub(super) turn: Option<usize>,
 }
 
 impl Statement<'_> {
     /// The engine's output is so many clocks behind its window. Returns how many vertices were compared, and how many
     /// claims were checked.
     fn prove(&self, flat: &Flat, delay: u32) -> Result<(u64, u64)> {
-        let Statement { parameters, group, level, valences } = *self;
+        let Statement { parameters, group, level, valences, .. } = *self;
         let window = Window::new(parameters.rows(level), valences);
         // At level 0 the registers hold the control points, without the guard bits.
         let guard = if level == 0 { parameters.extra_fraction(0) } else { 0 };
@@ -324,6 +332,9 @@ impl Statement<'_> {
             })
         };
         held(false).for_each(|(id, value)| simulator.set(id, value));
+        if let Some(turn) = self.turn {
+            self.in_rams(&mut simulator, &registers, &window, turn);
+        }
         let control = |s: &mut Simulator<_>, name: &str, number: u32| {
             if let Some(id) = s.flat.input(name) {
                 s.set(id, Value::Integer(number.into()));
@@ -335,6 +346,9 @@ impl Statement<'_> {
             if is_strobe {
                 simulator.set(id, Value::Integer(0));
             }
+        }
+        for name in ["in_axis", "in_fan_axis"] {
+            control(&mut simulator, name, self.turn.unwrap_or(0) as u32);
         }
         for l in group.levels.clone() {
             control(&mut simulator, &format!("serve_{l}"), u32::from(l == level));
@@ -372,6 +386,12 @@ impl Statement<'_> {
                 Error::new(Kind::Mismatch, "a vertex is another function of the window").at(place)
             };
             for slice in 0..slices {
+                // A row is read once, for the slices that see it.
+                for before in slice.saturating_sub(3)..slice {
+                    control(&mut simulator, "slice", before);
+                    simulator.settle();
+                    simulator.edge(false)?;
+                }
                 control(&mut simulator, "slice", slice);
                 control(&mut simulator, &format!("shift_{}", level + 1), u32::from(slice == 0));
                 control(&mut simulator, &format!("write_{}", level + 1), u32::from(within));
@@ -434,7 +454,7 @@ fn engine_ends(parameters: Parameters, top: bool, bottom: bool) -> Vec<String> {
     .collect()
 }
 
-fn form(mask: &Mask) -> Form<VARIABLES> {
+pub(super) fn form(mask: &Mask) -> Form<VARIABLES> {
     let mut form = Form::variable(0, 0);
     form.coefficients[0] = 0;
     mask.iter().for_each(|(&variable, &weight)| form.coefficients[variable] = weight as i64);

@@ -16,7 +16,7 @@ use super::fan::{self, End, Replaced};
 use super::fan_registered;
 use super::row_filter;
 use super::view::EndView;
-use super::wait::wait;
+use super::wait::Waits;
 use crate::error::Result;
 use crate::hdl::Signal;
 
@@ -24,6 +24,7 @@ impl Unit<'_> {
     /// The column that leaves, all of one clock.
     pub(super) fn registered(&self, face: &Signal, valences: [Signal; 2]) -> Result<Outgoing> {
         let (m, p, cells) = (self.m, self.parameters, self.cells());
+        let waits = Waits::new(m);
         let filter = row_filter::build(p, self.level(), cells, self.sliced())?;
         let mut inputs = vec![("face".to_string(), face.clone())];
         let seen = |row: &str| row != "below" && (row != "above" || self.sliced());
@@ -47,7 +48,7 @@ impl Unit<'_> {
         let [top, bottom] = [0, 1].map(|at| self.end(End::BOTH[at], valences[at].clone()));
         let view = self.either(&at_bottom, &top, &bottom);
         let placed = fan::place(m, p, &fan_registered::build(p, self.level())?, "fan", &view);
-        let placed = placed.together(m);
+        let placed = placed.together(&waits);
         let (top, bottom) = match self.sliced() {
             true => (placed.each(Signal::clone), placed),
             false => (
@@ -61,7 +62,7 @@ impl Unit<'_> {
             (0..=2 * cells).map(|u| format!("row_{u}")).chain(["face_above".into(), "face_below".into()]);
         let made: Vec<(String, Signal)> = names.map(|name| (name.clone(), rows.out(&name))).collect();
         let ready = [&top, &bottom].into_iter().filter_map(Replaced::time).max().unwrap_or(0);
-        let mut rows = wait(m, "row_slot", &made, ready);
+        let mut rows = waits.until("row_slot", &made, ready);
         let below = rows.remove(made.len() - 1);
         let above = rows.remove(made.len() - 2);
 

@@ -18,8 +18,10 @@
 use std::rc::Rc;
 
 use super::fan::{End, kappa64, names};
-use super::wait::wait;
+use super::sending::axis_word;
+use super::wait::Waits;
 use super::{Parameters, VALENCE_BITS};
+use crate::cores::loop_fd::AXES;
 use crate::error::Result;
 use crate::fixed::{Range, Rounding};
 use crate::hdl::{Builder, Module, Placed, Relation, Signal, Word};
@@ -121,9 +123,28 @@ pub fn strobes(parameters: Parameters) -> Vec<String> {
     End::BOTH.iter().flat_map(of).collect()
 }
 
+/// What says whose a fan is that leaves a level: nothing where all coordinates have a unit; `fan_axis` for a next level
+/// where they take turns too; else every coordinate has strobes of its own, whose names end so.
+pub fn strobe_endings(parameters: Parameters, level: u32) -> Vec<String> {
+    match parameters.in_turn(level) && !parameters.in_turn(level + 1) {
+        true => AXES.iter().map(|axis| format!("_{axis}")).collect(),
+        false => vec![String::new()],
+    }
+}
+
+/// The outputs of a fan that leaves a level by itself.
+pub fn fan_outputs(parameters: Parameters, level: u32) -> Vec<String> {
+    let endings = strobe_endings(parameters, level);
+    let strobes = strobes(parameters);
+    let strobes = strobes.iter().flat_map(|s| endings.iter().map(move |ending| format!("{s}{ending}")));
+    let axis = parameters.in_turn(level + 1).then(|| "fan_axis".to_string());
+    strobes.chain(["fan_a".to_string(), "fan_x".into()]).chain(axis).collect()
+}
+
 /// The unit for columns of a level. Inputs: `walk` (the vertex column begins to leave); a clock later the window: for
 /// both ends the places of [`names`], as `top_..` and `bottom_..`; and their valences. Outputs: what [`Walked`] has;
-/// and, where there is a finer level, the fan as `fan_a` and `fan_x` with their [`strobes`].
+/// and, where there is a finer level, the fan (see [`fan_outputs`]). Where coordinates take turns, `axis` says whose walk
+/// begins, and for so long as the window is looked at.
 pub fn build(parameters: Parameters, level: u32) -> Result<Rc<Module>> {
     let m = Builder::new(&format!("ring_walk_{level}"));
     m.purpose(format!("Walks around the ends of a column of level {level}: replaces them and their fans."));
@@ -132,6 +153,7 @@ pub fn build(parameters: Parameters, level: u32) -> Result<Rc<Module>> {
     let outside = level + 1 < parameters.levels;
     let word = parameters.word(level);
     let start = m.input("walk", Word::bit());
+    let axis = (parameters.in_turn(level) && outside).then(|| m.input("axis", axis_word()));
     let ends = End::BOTH.map(|end| {
         let name = |place: String| m.input_at(format!("{}_{place}", end.name()), word, 1);
         names(parameters).into_iter().map(name).collect::<Vec<Signal>>()
@@ -339,7 +361,8 @@ pub fn build(parameters: Parameters, level: u32) -> Result<Rc<Module>> {
             round("face_rounded", &m.signal(16 * &m.at_time(&last_face, spoke.time().unwrap_or(0)))),
         ),
     ];
-    let late = wait(&m, "side_slot", &stream, times.sides());
+    let waits = Waits::new(&m);
+    let late = waits.until("side_slot", &stream, times.sides());
     let stream: Vec<(String, Signal)> = ["fan_a".to_string(), "fan_x".into()].into_iter().zip(late).collect();
 
     // Where the stream is, a step further than the place that it brings.
@@ -353,14 +376,26 @@ pub fn build(parameters: Parameters, level: u32) -> Result<Rc<Module>> {
             fetch(name, &caught);
         }
     }
-    let stream: Vec<Signal> = wait(&m, "fan_slot", &stream, times.fans());
+    let stream: Vec<Signal> = waits.until("fan_slot", &stream, times.fans());
     let fans = Steps::new(&m, "fans", &m.delay(&start, times.fans() - 1), times.steps);
     let out = times.done() + 1;
+    let axis_of_fan = axis.map(|axis| {
+        let clock = times.fans() - 1;
+        waits.until("fan_axis_slot", &[("axis_of_fan".into(), axis)], clock).remove(0)
+    });
+    if let Some(axis) = axis_of_fan.as_ref().filter(|_| parameters.in_turn(level + 1)) {
+        m.output("fan_axis", m.restart(&m.pipe("fan_axis", axis), out));
+    }
     for end in End::BOTH {
         let here = if end == End::Top { !&fans.bottom } else { fans.bottom.clone() };
         for i in 2..=parameters.outside_neighbours() {
-            let strobe = m.pipe(format!("strobe_{}_{i}", end.name()), fans.at(&m, i as u32 + 2) & &here);
-            m.output(format!("{}_fan_{i}", end.name()), m.restart(&strobe, out));
+            let here = fans.at(&m, i as u32 + 2) & &here;
+            for (of_axis, ending) in (0..).zip(strobe_endings(parameters, level)) {
+                let own = axis_of_fan.as_ref().filter(|_| !ending.is_empty());
+                let here = own.map_or(here.clone(), |axis| &here & m.is(axis, of_axis));
+                let strobe = m.pipe(format!("strobe_{}_{i}{ending}", end.name()), &here);
+                m.output(format!("{}_fan_{i}{ending}", end.name()), m.restart(&strobe, out));
+            }
         }
     }
     m.output("fan_a", m.restart(&stream[0], out));

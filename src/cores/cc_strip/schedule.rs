@@ -45,6 +45,8 @@ pub struct Group {
     pub double: bool,
     /// Its ends are walked around (see [`super::Parameters::walked`]).
     pub walked: bool,
+    /// It serves one coordinate after the other (see [`super::Parameters::in_turn`]).
+    pub in_turn: bool,
 }
 
 impl Group {
@@ -96,6 +98,7 @@ pub fn groups(schedule: Schedule, folded: bool, levels: u32, rows_per_clock: Opt
             cells: rows_per_clock.map_or(whole, |rows| (rows / 2).clamp(1, whole)),
             double: schedule == Schedule::Double && finest + 1 == levels,
             walked: false,
+            in_turn: false,
         }
     };
     ranges.into_iter().map(group).collect()

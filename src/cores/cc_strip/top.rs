@@ -10,11 +10,12 @@ use std::rc::Rc;
 
 use super::engine::{self, Outgoing, equals, incoming_places, producer};
 use super::output::{Offer, Output};
-use super::ring_walk::{Times, strobes};
+use super::ring_walk::{Times, fan_outputs, strobe_endings};
 use super::schedule::Group;
-use super::wait::wait;
+use super::turns;
+use super::wait::Waits;
 use super::window::Producer;
-use super::{Parameters, USER_BITS, control, loader, walked_control, word_stage};
+use super::{Parameters, USER_BITS, control, loader, sending, walked_control, word_stage};
 use crate::cores::loop_fd::AXES;
 use crate::error::Result;
 use crate::hdl::{Builder, Module, Placed, Signal, Word};
@@ -85,6 +86,7 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
             false => word.clone(),
         })
         .collect();
+    let waits = Waits::new(&m);
     let mut stages: Vec<Stage> = vec![];
     for (index, group) in groups.iter().enumerate() {
         let before = index.checked_sub(1).map(|at| (&groups[at], &stages[at]));
@@ -100,6 +102,13 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
         let never = m.bit(false);
         let next_ready = ready.get(index + 1).unwrap_or(&never);
         inputs.extend([("level", &level), ("next_ready", next_ready), ("output_ready", &output_ready)]);
+        let comes = if group.in_turn { Some(turns::comes(&m, before.is_none(), &flags[0])) } else { None };
+        let from_axis = comes.as_ref().map(|comes| match before {
+            Some((_, stage)) => stage.control.out("axis"),
+            None => comes.axis.clone(),
+        });
+        inputs.extend(comes.iter().map(|comes| ("comes", &comes.comes)));
+        inputs.extend(from_axis.iter().map(|axis| ("from_axis", axis)));
         let unit = match group.walked {
             true => walked_control::build(index, group, Times::of(parameters).clocks())?,
             false => control::build(index, group, parameters.registered)?,
@@ -110,20 +119,41 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
         let unit = engine::build(parameters, index, &groups)?;
         let mut steering_late: Option<Vec<Signal>> = None;
         let mut place = |axis: usize| -> Placed {
-            let mut ports = incoming(&m, parameters, before, &control, &loader, &words[axis], axis);
+            let mut ports = match &comes {
+                Some(comes) if before.is_none() => {
+                    let word = turns::word(&m, comes, &words);
+                    turns::thrice(&m, incoming(&m, parameters, before, &control, &loader, &word, axis))
+                }
+                _ => incoming(&m, parameters, before, &control, &loader, &words[axis], axis),
+            };
+            if group.in_turn {
+                ports.push(("in_axis".into(), control.out("looks_at")));
+            }
             ports.extend(steering(group, &control));
+            // Of what comes in turn every engine takes its own.
+            let others = before.filter(|(before, _)| before.in_turn && !group.in_turn);
+            ports.extend(others.map(|(_, stage)| (turns::OWNER.to_string(), stage.control.out("axis"))));
             if group.walked {
                 let times = ports.iter().filter_map(|(_, signal)| signal.time());
                 let data = before.map_or_else(
                     || times.max().unwrap_or(0) + 3,
                     |(_, stage)| stage.columns[axis].rows[0].time().unwrap_or(1),
                 );
-                steering_late.get_or_insert_with(|| steer_late(&m, data - 2, index, &ports));
+                steering_late.get_or_insert_with(|| steer_late(&m, &waits, data - 2, index, &ports));
                 let late = steering_late.iter().flatten();
-                for ((_, signal), late) in ports.iter_mut().filter(|(_, s)| is_early(s, data - 2)).zip(late) {
+                let early = |ports: &[(String, Signal)]| -> Vec<usize> {
+                    (0..ports.len()).filter(|&at| is_early(&ports[at].1, data - 2)).collect()
+                };
+                let late: Vec<(usize, &Signal)> = early(&ports).into_iter().zip(late).collect();
+                let owner = late.iter().find(|(at, _)| ports[*at].0 == turns::OWNER).map(|(_, late)| *late);
+                for (at, late) in late {
                     let name = late.name().unwrap_or_default();
-                    *signal = m.copy(format!("{name}_{}", AXES[axis]), late);
+                    let (port, signal) = &mut ports[at];
+                    let own = owner.filter(|_| turns::is_owned(port));
+                    let late = own.map_or(late.clone(), |owner| late & m.is(owner, axis as i128));
+                    *signal = m.copy(format!("{name}_{}", AXES[axis]), &late);
                 }
+                ports.retain(|(port, _)| port != turns::OWNER);
             } else if parameters.registered {
                 let data = before.map_or(1, |(_, stage)| stage.columns[axis].rows[0].time().unwrap_or(1));
                 own_copies(&m, data, AXES[axis], &mut ports);
@@ -131,11 +161,12 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
             let inputs: Vec<(&str, &Signal)> = ports.iter().map(|(n, s)| (n.as_str(), s)).collect();
             m.instance(&format!("engine_{index}_{}", AXES[axis]), &unit, &inputs)
         };
-        let engines = [place(0), place(1), place(2)];
+        let engines: Vec<Placed> = (0..if group.in_turn { 1 } else { 3 }).map(&mut place).collect();
+        let engine = |axis: usize| &engines[axis.min(engines.len() - 1)];
         let columns =
-            |prefix: &str| [0, 1, 2].map(|axis| Outgoing::of(&engines[axis], prefix, parameters, group));
+            |prefix: &str| [0, 1, 2].map(|axis| Outgoing::of(engine(axis), prefix, parameters, group));
         let second = group.double.then(|| columns("face"));
-        let fans = [0, 1, 2].map(|axis| fans(parameters, group, &engines[axis]));
+        let fans = [0, 1, 2].map(|axis| fans(parameters, group, engine(axis), axis));
         stages.push(Stage { columns: columns("out"), second, fans, control });
     }
     let offers: Vec<Offer> = groups
@@ -144,6 +175,7 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
         .map(|(group, stage)| Offer {
             group,
             control: &stage.control,
+            period: if group.in_turn { sending::period(group, Times::of(parameters).clocks()) } else { 0 },
             columns: &stage.columns,
             second: stage.second.as_ref(),
         })
@@ -165,13 +197,19 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
     m.finish()
 }
 
-/// The fans that leave a group by themselves.
-fn fans(parameters: Parameters, group: &Group, engine: &Placed) -> Vec<(String, Signal)> {
+/// The fans that leave a group by themselves, of a coordinate.
+fn fans(parameters: Parameters, group: &Group, engine: &Placed, axis: usize) -> Vec<(String, Signal)> {
     if !group.walked || group.finest() + 1 == parameters.levels {
         return vec![];
     }
-    let names = strobes(parameters).into_iter().chain(["fan_a".to_string(), "fan_x".into()]);
-    names.map(|name| (name.clone(), engine.out(&format!("out_{name}")))).collect()
+    let endings = strobe_endings(parameters, group.finest());
+    let port = |name: &String| match endings.get(axis).filter(|_| endings.len() > 1) {
+        // Strobes of the other coordinates are for other engines.
+        Some(ending) if name.contains("_fan_") => name.strip_suffix(ending.as_str()).map(String::from),
+        _ => Some(name.clone()),
+    };
+    let names = fan_outputs(parameters, group.finest());
+    names.iter().filter_map(|name| Some((port(name)?, engine.out(&format!("out_{name}"))))).collect()
 }
 
 /// What the window of a group's first level takes in.
@@ -234,11 +272,17 @@ fn is_early(signal: &Signal, clock: u32) -> bool {
 }
 
 /// What steers the engines of a group at a later clock, by way of RAMs: control is far ahead of the data.
-fn steer_late(m: &Builder, clock: u32, index: usize, ports: &[(String, Signal)]) -> Vec<Signal> {
+fn steer_late(
+    m: &Builder,
+    waits: &Waits,
+    clock: u32,
+    index: usize,
+    ports: &[(String, Signal)],
+) -> Vec<Signal> {
     let early = ports.iter().filter(|(_, signal)| is_early(signal, clock));
     let signals: Vec<(String, Signal)> =
         early.map(|(port, signal)| (format!("{port}_{index}"), signal.clone())).collect();
-    let late = wait(m, &format!("steering_slot_{index}"), &signals, clock);
+    let late = waits.until(&format!("steering_slot_{index}"), &signals, clock);
     signals.iter().zip(late).map(|((name, _), signal)| m.wire(format!("{name}_steers"), &signal)).collect()
 }
 

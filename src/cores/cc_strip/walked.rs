@@ -11,12 +11,12 @@
 use super::columns::row_names;
 use super::engine::{Outgoing, Unit, chosen_by, equals};
 use super::fan::{self, End};
-use super::ring_walk::{self, Walked, strobes};
+use super::ring_walk::{self, Walked, fan_outputs};
 use super::row_filter;
-use super::wait::wait;
+use super::wait::Waits;
 use super::window::STAGES;
 use crate::error::Result;
-use crate::hdl::Signal;
+use crate::hdl::{Placed, Signal};
 
 impl Unit<'_> {
     /// The slice that leaves, all of one clock, and the fans that go with its column by the names of their ports.
@@ -25,12 +25,15 @@ impl Unit<'_> {
         face: &Signal,
         valences: [Signal; 2],
         walk: &Signal,
+        axis: Option<&Signal>,
+        reader: Option<&Placed>,
     ) -> Result<(Outgoing, Vec<(String, Signal)>)> {
         let (m, p, cells) = (self.m, self.parameters, self.cells());
         let outside = self.level() + 1 < p.levels;
 
         let unit = ring_walk::build(p, self.level())?;
         let mut inputs = vec![("walk".to_string(), walk.clone())];
+        inputs.extend(axis.filter(|_| outside).map(|axis| ("axis".to_string(), axis.clone())));
         for (end, valence) in End::BOTH.iter().zip(valences) {
             let view = self.end(*end, valence);
             inputs.push((format!("{}_valence", end.name()), view.valence.clone()));
@@ -44,9 +47,10 @@ impl Unit<'_> {
 
         // The rows in turn.
         let names = row_names(cells);
-        let rows = [0, 1, 2].map(|column| -> Vec<Option<Signal>> {
+        let in_turn = |column| -> Vec<Option<Signal>> {
             names.iter().zip(-1..).map(|(name, at)| self.row_in_turn(column, name, at)).collect()
-        });
+        };
+        let rows = reader.map_or_else(|| [0, 1, 2].map(in_turn), |reader| self.rows_read(reader));
         let filter = row_filter::build(p, self.level(), cells, self.sliced())?;
         let mut inputs = vec![("face".to_string(), face.clone())];
         for (stage, rows) in STAGES.iter().zip(&rows) {
@@ -66,16 +70,17 @@ impl Unit<'_> {
         let all = |names: &[String]| -> Vec<(String, Signal)> {
             names.iter().map(|name| (name.clone(), made.out(name))).collect()
         };
-        let inner = wait(m, "row_slot", &all(&names[1..last]), done + 1);
+        let waits = Waits::new(m);
+        let inner = waits.until("row_slot", &all(&names[1..last]), done + 1);
         let mut outer = vec![names[0].clone(), names[last].clone()];
         if outside {
             outer.extend(["face_above".to_string(), "face_below".into()]);
         }
-        let outer = wait(m, "end_slot", &all(&outer), done);
+        let outer = waits.until("end_slot", &all(&outer), done);
         let first_slice = equals(m, self.slice, 0).unwrap_or_else(|| m.bit(true));
         let replaces = m.pipe("replaces_top", &first_slice & &!face);
         let flags = [("replaces_top".to_string(), replaces), ("is_face".into(), m.pipe("is_face", face))];
-        let flags = wait(m, "flag_slot", &flags, done - 1);
+        let flags = waits.until("flag_slot", &flags, done - 1);
         let copy = |name: &str, flag: &Signal| m.copy(name, flag);
 
         let [top, bottom] = &ends.ends;
@@ -97,7 +102,7 @@ impl Unit<'_> {
                 beside.push(m.pipe(name, m.select(&on_face, point, &ends.ends[at][1 + side])));
             }
         }
-        let names = strobes(p).into_iter().chain(["fan_a".to_string(), "fan_x".into()]);
+        let names = fan_outputs(p, self.level()).into_iter();
         let fans = names.map(|name| (name.clone(), m.restart(&placed.out(&name), done + 1))).collect();
         Ok((Outgoing { outside: beside, ..columns }, fans))
     }

@@ -1,7 +1,7 @@
 //! The control of a level in a registered core that sends columns in slices: every decision stands in a register.
 //!
 //! ```text
-//! leaves, and there is room behind ──► sends: a slice a clock until the last ──► vertex, leaves
+//! leaves, and there is room behind ──► sends: a slice a clock until the last (see sending) ──► vertex, leaves
 //!                                        └──► the next level, whose column is whole with the last slice
 //! ```
 //!
@@ -12,14 +12,18 @@ use std::rc::Rc;
 
 use super::VALENCE_BITS;
 use super::control::{Flags, Level, Ports, WALKS};
-use super::engine::slice_bits;
 use super::schedule::Group;
+use super::sending::{self, Sending};
 use crate::error::Result;
 use crate::hdl::{Builder, Module, Signal, Word};
 
 /// The control of a group of one level, whose window stands for `walks` clocks from the first slice of a vertex column
 /// on. Further output: `walk`, in the clock of that slice.
+///
+/// Where coordinates take turns: inputs `comes` (a slice or a word of a coordinate comes in) and `from_axis` (of which
+/// one); outputs `axis` (which one leaves) and `looks_at` (which one the window is to be read and written of).
 pub fn build(index: usize, group: &Group, walks: u32) -> Result<Rc<Module>> {
+    let period = sending::period(group, walks);
     let m = Builder::new(&format!("strip_control_{index}"));
     m.purpose("Moves the window of a level and says which column leaves.");
     let Ports { valid, incoming, wanted, next_ready, output_ready } = Ports::new(&m);
@@ -30,32 +34,26 @@ pub fn build(index: usize, group: &Group, walks: u32) -> Result<Rc<Module>> {
     let to_output = m.restart(&here, 0);
     let target = m.select(&to_output, &output_ready, &next_ready);
 
-    let flag = |name: &str| m.register_reset(name, Word::bit(), 0);
-    let [sends, begins] = ["sends", "sends_first_slice"].map(flag);
-    let starts = m.wire("starts", m.all(&[&level.leaves, &!&sends, &target]));
-    m.always(&begins, &starts);
-    let slices = group.most_slices();
-    let (last, slice) = match slice_bits(group) {
-        0 => (sends.clone(), None),
-        bits => {
-            let slice = m.register_reset("slice", Word::unsigned(bits), 0);
-            m.on(&starts, &slice, m.constant(0, slice.word()));
-            m.on(&sends, &slice, m.wrap(&slice + 1, slice.word()));
-            let last = flag("sends_last_slice");
-            m.always(&last, &sends & m.is(&slice, i128::from(slices) - 2));
-            (last, Some(slice))
-        }
+    let start = m.forward("starts", Word::bit());
+    let sending = match group.in_turn {
+        true => sending::in_turn(&m, group, &start, &level.vertex, period),
+        false => sending::at_once(&m, group, &start),
     };
-    m.on(&starts, &sends, m.bit(true));
-    m.on(&last, &sends, m.bit(false));
+    let Sending { sends, leaves, begins, whole: sent, done, slice, axis } = sending;
+    m.drive(&start, m.wire("begins_to_send", m.all(&[&level.leaves, &!&sends, &target])));
 
     // The window stands as long as its ends are being looked at.
     let walk = m.wire("walk", &begins & &level.vertex);
+    let walks = if axis.is_some() { 2 * period + walks } else { walks };
     let rest = m.register_reset(WALKS, Word::range(0, walks.into()), 0);
-    let stands = flag("stands");
-    m.on(&walk, &rest, m.constant(walks.into(), rest.word()));
+    let stands = m.register_reset("stands", Word::bit(), 0);
+    let first_walk = match &axis {
+        Some(axis) => m.wire("first_walk", &walk & m.is(axis, 0)),
+        None => walk.clone(),
+    };
+    m.on(&first_walk, &rest, m.constant(walks.into(), rest.word()));
     m.on(&stands, &rest, m.wrap(&rest - 1, rest.word()));
-    m.on(&walk, &stands, m.bit(true));
+    m.on(&first_walk, &stands, m.bit(true));
     m.on(&m.is(&rest, 1), &stands, m.bit(false));
 
     // A column that is whole counts a clock later.
@@ -69,7 +67,7 @@ pub fn build(index: usize, group: &Group, walks: u32) -> Result<Rc<Module>> {
         last: late("last", &incoming.last),
         valences: [0, 1].map(|end| late(["top", "bottom"][end], &incoming.valences[end])),
     };
-    level.moves(&m, false, &last, &whole, &arrived);
+    level.moves(&m, false, &done, &whole, &arrived);
     let rests = m.wire("rests", !(&level.leaves | &whole));
 
     let face = m.wire("is_face", !&level.vertex);
@@ -86,10 +84,21 @@ pub fn build(index: usize, group: &Group, walks: u32) -> Result<Rc<Module>> {
         let out = m.wire(format!("{name}_out"), m.select(&face, &regular, &degree));
         m.output(format!("out_{name}_valence"), &out);
     }
-    m.output("out_next", m.wire("out_next", &sends & !&to_output));
-    m.output("out_output", m.wire("out_output", &sends & &to_output));
+    m.output("out_next", m.wire("out_next", &leaves & !&to_output));
+    // The output has a vertex when its z comes.
+    let put_out = match &axis {
+        Some(axis) => m.all(&[&leaves, &to_output, &m.is(axis, 2)]),
+        None => &leaves & &to_output,
+    };
+    m.output("out_output", m.wire("out_output", &put_out));
     m.output("out_begins", &begins);
-    m.output("out_ends", m.wire("leaves_whole", &last));
+    m.output("out_ends", m.wire("leaves_whole", &sent));
+    if let Some(axis) = &axis {
+        let comes = m.input("comes", Word::bit());
+        let from = m.input("from_axis", axis.word());
+        m.output("axis", axis);
+        m.output("looks_at", m.wire("looks_at", m.select(&comes, &from, axis)));
+    }
     m.output("out_first", m.wire("leaves_first", m.is(&level.age, 1)));
     m.output("out_last", m.wire("leaves_last", !&level.vertex & &level.guarded));
     m.output("out_ending", m.wire("leaves_ending", &level.vertex & &level.guarded));

@@ -18,6 +18,7 @@ use std::rc::Rc;
 
 use super::Parameters;
 use super::fan::{End, fan_names};
+use super::places::{Axes, Place};
 use crate::error::Result;
 use crate::hdl::{Builder, Module, Placed, Signal, Sum, Word};
 
@@ -32,7 +33,10 @@ pub enum Producer {
 
 /// Places of a column at level 0 in the order of their names: rows, then at each end left, right, fan.
 pub fn places(parameters: Parameters, level: u32) -> Vec<String> {
-    let mut names: Vec<String> = (0..parameters.rows(level)).map(|k| format!("row_{k}")).collect();
+    let last = parameters.rows(level) - 1;
+    // Inner rows may be kept elsewhere.
+    let is_here = |k: &usize| !parameters.reads_rows(level) || *k < 2 || *k + 1 >= last;
+    let mut names: Vec<String> = (0..=last).filter(is_here).map(|k| format!("row_{k}")).collect();
     names.extend(outside_places(parameters));
     names
 }
@@ -63,6 +67,8 @@ pub const KEPT: &str = "_kept";
 ///
 /// Where the ends are walked around, strobes come a clock before what they are for, and every place has registers of
 /// its own for them; and a fan comes by itself, an entry a clock: `fan_a` and `fan_x`, with a strobe for every number.
+/// Where coordinates take turns, there are places for all three, and `axis` says whose are read and written, `fan_axis`
+/// whose fan comes.
 pub fn build(parameters: Parameters, level: u32, producer: Producer, sums: bool) -> Result<Rc<Module>> {
     let m = Builder::new(&format!("level_window_{level}"));
     m.purpose(format!("One coordinate of three columns of level {level} and of what lies outside of them."));
@@ -75,11 +81,13 @@ pub fn build(parameters: Parameters, level: u32, producer: Producer, sums: bool)
     let kept = if guard == 0 { "" } else { KEPT };
     // A normal weighs what the fan of its vertex has not with zero: a number it must be, from reset on.
     let weighed = parameters.normals.is_some();
+    let axes = parameters.in_turn(level).then(|| Axes::new(&m, level));
     let stage = |stage: &str, place: &str| {
         let name = format!("{stage}_{place}{kept}");
-        match weighed && is_fan(place) {
-            true => m.register_reset(name, word, 0),
-            false => m.register_at(name, word, None, u32::from(parameters.walked())),
+        match (weighed && is_fan(place), &axes) {
+            (true, _) => Place::Register(m.register_reset(name, word, 0)),
+            (_, None) => Place::Register(m.register_at(name, word, None, u32::from(parameters.walked()))),
+            (_, Some(axes)) => axes.place(&m, name, word, stage == "fan"),
         }
     };
     // A strobe for a place alone.
@@ -107,31 +115,31 @@ pub fn build(parameters: Parameters, level: u32, producer: Producer, sums: bool)
         let strobe = own("writes", &place, &strobe);
         if is_fan && level > 0 {
             let fan = stage("fan", &place);
-            m.on(&strobe, &fan, &value);
-            put(format!("fan_{place}"), &fan);
+            fan.takes(&m, &strobe, &value);
+            put(format!("fan_{place}"), fan.value());
             continue;
         }
         let next = stage("next", &place);
-        m.on(&strobe, &next, &value);
+        next.takes(&m, &strobe, &value);
         let moves = own("moves", &place, &begin);
-        let moved = |to: &Signal, from: &Signal| m.on(&moves, to, from);
+        let moved = |to: &Place, from: &Place| to.takes(&m, &moves, from.value());
         let middle = stage(if is_fan { "fan" } else { "middle" }, &place);
         moved(&middle, &next);
         if is_fan {
-            put(format!("fan_{place}"), &middle);
+            put(format!("fan_{place}"), middle.value());
             continue;
         }
-        put(format!("next_{place}"), &next);
-        put(format!("middle_{place}"), &middle);
+        put(format!("next_{place}"), next.value());
+        put(format!("middle_{place}"), middle.value());
         // The outside face over a strip edge has the vertex right of its first end, and left of its second.
         if let Some(end) = End::BOTH.iter().find(|end| sums && place == format!("{}_right", end.name())) {
-            right_of.push((end.name(), middle.clone()));
+            right_of.push((end.name(), middle.value().clone()));
         }
         if let Some(end) = End::BOTH.iter().find(|end| sums && place == format!("{}_left", end.name())) {
-            left_of.push((end.name(), next.clone()));
+            left_of.push((end.name(), next.value().clone()));
         }
         if sums && place.starts_with("row_") {
-            let sum = keep(format!("added_{place}"), &middle + &next);
+            let sum = keep(format!("added_{place}"), middle.value() + next.value());
             // Of a registered sum the previous one is taken a clock later.
             let late = sum.time().unwrap_or(0);
             let previous = m.register_at(format!("previous_{place}{kept}"), sum.word(), None, late);
@@ -141,7 +149,7 @@ pub fn build(parameters: Parameters, level: u32, producer: Producer, sums: bool)
         } else if !place.ends_with("_left") {
             let previous = stage("previous", &place);
             moved(&previous, &middle);
-            put(format!("previous_{place}"), &previous);
+            put(format!("previous_{place}"), previous.value());
         }
     }
     for ((end, left), (_, right)) in left_of.iter().zip(&right_of) {
@@ -177,7 +185,10 @@ impl Incoming {
                 let value = |name: String| m.input_at(name, parameters.word(level), data);
                 let row = |u: usize| value(format!("row_{u}"));
                 let rows = (0..lanes).map(row).collect();
-                let writes = (0..slices).map(|p| m.input(format!("write_{p}"), Word::bit())).collect();
+                // Inner rows that are kept elsewhere need none.
+                let is_here = |p: u32| !parameters.reads_rows(level) || p == 0 || p + 1 == slices;
+                let write = |p| m.input(format!("write_{p}"), Word::bit());
+                let writes = (0..slices).map(|p| if is_here(p) { write(p) } else { m.bit(false) }).collect();
                 let fans = match parameters.walked() {
                     false => Fans::Along(m.input("fans", Word::bit())),
                     true => Fans::Alone(["fan_a", "fan_x"].map(|name| value(name.into()))),
