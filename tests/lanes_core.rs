@@ -37,7 +37,10 @@ fn the_built_in_simulator_agrees() {
 
 #[test]
 fn verilator_and_icarus_agree_too() {
-    core_trial::installed(cores());
+    // Each takes a while to build: one lane with and without patches that wait, few lanes and many, whole and in digits.
+    let built = [(1, Some(15), 6), (1, Some(16), 0), (2, None, 0), (4, Some(12), 4), (8, Some(20), 0)];
+    let built = |p: &Parameters| built.contains(&(p.lanes.unwrap_or(0), p.chunk, p.min_level));
+    core_trial::installed(cores().into_iter().filter(built).collect());
 }
 
 #[test]
