@@ -179,7 +179,6 @@ fn lengthen(cells: &mut Map<String, Value>, last: &str, carry: u64) -> String {
 /// Moves the last bit of a chain into a cell more where its register has not the enable and the reset of that beside it.
 fn part_carries(module: &mut Value) -> u64 {
     let nets = Nets::of(module);
-    let mut free = nets.free();
     let Some(cells) = module["cells"].as_object_mut() else { return 0 };
     let control = |cell: &Value, port: &str| {
         let [(register, reads)] = nets.readers(net(cell, port)?) else { return None };
@@ -195,12 +194,11 @@ fn part_carries(module: &mut Value) -> u64 {
         .filter(|(_, cell)| is_carry(cell) && parts(cell))
         .map(|(name, _)| name.clone())
         .collect();
-    for name in &names {
+    for (free, name) in (nets.free()..).zip(&names) {
         let high = take(&cells[name], 1);
         let more = lengthen(cells, name, free);
         put(&mut cells[&more], 0, high);
         put(&mut cells[name], 1, Half { table: json!(format!("{:016b}", 0x8000)), ..unused() });
-        free += 1;
     }
     names.len() as u64
 }
