@@ -73,7 +73,7 @@ fn constraints(pins: [&str; 4]) -> String {
 /// The placer does best when it weighs the critical nets heavily: of one core, 195 MHz become 253. More weight, another
 /// exponent or clock asked for, the other placers and the second router gain nothing.
 const ECP5: [&str; 5] =
-    ["--lpf-allow-unconstrained", "--placer-heap-critexp", "2", "--placer-heap-timingweight", "40"];
+    ["--lpf-allow-unconstrained", "--placer-heap-critexp", "2", "--placer-heap-timingweight", "80"];
 
 /// All arguments of nextpnr.
 fn arguments(device: &Device, Run { seed, target_mhz }: Run) -> Vec<String> {
