@@ -33,8 +33,10 @@ pub struct Constants {
 pub struct Clock {
     /// From a register to a register, through nothing.
     pub base: f64,
+    /// Of an adder and the way to it, without its carry.
+    pub adder: f64,
     /// Of a LUT and the way to it.
-    pub level: f64,
+    pub gate: f64,
     /// Of a bit of carry.
     pub carry: f64,
     pub multiplier: f64,
@@ -69,7 +71,15 @@ const FIRST: Constants = Constants {
         delay: 0.0,
         product: 0.0,
     },
-    clock: Clock { base: 1.3, level: 0.8, carry: 0.025, multiplier: 5.0, fan_out: 0.05, size: 0.1 },
+    clock: Clock {
+        base: 1.3,
+        adder: 0.8,
+        gate: 0.4,
+        carry: 0.025,
+        multiplier: 5.0,
+        fan_out: 0.05,
+        size: 0.1,
+    },
 };
 
 impl Calibration {
@@ -164,11 +174,11 @@ fn fitted(known: &Constants, measured: &[Measured]) -> Constants {
     let luts = <[f64; 8]>::try_from(luts).map_or(known.luts, |values| Load::of(values.map(rounded)));
     // The clock depends on the area.
     let sized = Constants { flip_flops: rounded(registers[0]), luts, ..known.clone() };
-    let Clock { base, level, carry, multiplier, fan_out, size } = known.clock;
-    let first = [base, level, carry, multiplier, fan_out, size];
+    let Clock { base, adder, gate, carry, multiplier, fan_out, size } = known.clock;
+    let first = [base, adder, gate, carry, multiplier, fan_out, size];
     let named = |values: &[f64]| match *values {
-        [base, level, carry, multiplier, fan_out, size] => {
-            Clock { base, level, carry, multiplier, fan_out, size }
+        [base, adder, gate, carry, multiplier, fan_out, size] => {
+            Clock { base, adder, gate, carry, multiplier, fan_out, size }
         }
         _ => known.clock,
     };
@@ -189,10 +199,10 @@ mod tests {
 
     #[test]
     fn constants_are_found_again_from_what_they_make() {
-        let features = |adder: f64, gates: f64, levels: f64, carry: f64| Features {
+        let features = |adder: f64, gates: f64, adders: f64, carry: f64| Features {
             load: Load { adder, gates, ..Load::default() },
             register_bits: adder as u64,
-            paths: vec![Path { levels, carry, multipliers: 0.0 }],
+            paths: vec![Path { adders, carry, ..Path::default() }],
             ..Features::default()
         };
         let cores = [
@@ -203,7 +213,7 @@ mod tests {
         ];
         let truth = Constants {
             luts: Load { adder: 1.2, gates: 0.7, ..FIRST.luts },
-            clock: Clock { base: 1.0, level: 0.6, carry: 0.04, ..FIRST.clock },
+            clock: Clock { base: 1.0, adder: 0.6, carry: 0.04, ..FIRST.clock },
             flip_flops: 0.9,
             ..FIRST
         };

@@ -11,7 +11,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::function::Function;
 use super::gates::{Gates, Leaf};
 use super::kept::Kept;
-use super::sums::{Adder, Operand, folded, folds, operands};
+use super::sums::{Adder, operand, operands};
 use crate::hdl::{Cell, Flat, NodeId};
 
 /// What a node that is no gate reads.
@@ -34,7 +34,7 @@ pub(super) struct Cover {
 
 /// What every node reads that is no gate.
 pub(super) fn reads(flat: &Flat, kept: &Kept, gates: &Gates) -> BTreeMap<NodeId, Reads> {
-    let behind = choices_behind(flat, kept);
+    let behind = choices_behind(flat, kept, gates);
     let nodes = flat.order.iter().chain(&flat.clocked).copied().filter(|id| kept.bits(*id) > 0);
     nodes
         .map(|id| (id, Reading { flat, kept, gates }.of(id, &behind)))
@@ -43,9 +43,9 @@ pub(super) fn reads(flat: &Flat, kept: &Kept, gates: &Gates) -> BTreeMap<NodeId,
 }
 
 /// The choice behind each adder that goes into its cells.
-fn choices_behind(flat: &Flat, kept: &Kept) -> BTreeMap<NodeId, NodeId> {
+fn choices_behind(flat: &Flat, kept: &Kept, gates: &Gates) -> BTreeMap<NodeId, NodeId> {
     let nodes = flat.order.iter().copied().filter(|id| kept.bits(*id) > 0);
-    nodes.filter_map(|id| folded(flat, id).map(|(sum, _)| (sum, id))).collect()
+    nodes.filter_map(|id| gates.folds.sum(id).map(|sum| (sum, id))).collect()
 }
 
 /// What the outside reads: outputs, and memories that are written.
@@ -146,12 +146,12 @@ impl Reading<'_> {
                     self.meet(&mut reads, [self.gates.bit(*left, bit), self.gates.bit(*right, bit)], &[]);
                 }
             }
-            Cell::Select { condition, on_true, on_false } if folds(self.flat, id) => {
+            Cell::Select { condition, on_true, on_false } => {
+                let Some(sum) = self.gates.folds.sum(id) else { return reads };
                 all(condition);
-                let sides = [on_true, on_false];
-                let bits =
-                    sides.into_iter().flat_map(|side| kept.clone().map(|bit| self.gates.bit(*side, bit)));
-                reads.outside.extend(bits);
+                let sides = [on_true, on_false].into_iter();
+                let bits = sides.flat_map(|side| kept.clone().map(|bit| self.gates.bit(*side, bit)));
+                reads.outside.extend(bits.filter(|bit| !self.gates.is_bit_of(bit, sum)));
             }
             Cell::Sum { .. } => self.sum(&mut reads, id, behind.get(&id).copied()),
             _ => {}
@@ -168,29 +168,24 @@ impl Reading<'_> {
         };
         let operands = operands(terms, *constant);
         for bit in adder.start..adder.start + adder.bits {
-            let bits: Vec<Function> = operands.iter().map(|operand| self.operand(operand, bit)).collect();
+            let bits: Vec<Function> = operands.iter().map(|of| operand(self.gates, of, bit)).collect();
             match bits[..] {
-                [one, two] => self.meet(reads, [one, two], &self.chosen(choice, bit)),
+                [one, two] => self.meet(reads, [one, two], &self.chosen(choice, id, bit)),
                 _ => reads.outside.extend(bits),
             }
         }
     }
 
     /// What the choice behind an adder reads besides; its own bits are about those of the adder.
-    fn chosen(&self, choice: Option<NodeId>, bit: u32) -> Vec<Function> {
-        let Some((id, (_, other))) = choice.and_then(|id| Some((id, folded(self.flat, id)?))) else {
+    fn chosen(&self, choice: Option<NodeId>, sum: NodeId, bit: u32) -> Vec<Function> {
+        let Some(Cell::Select { condition, on_true, on_false }) = choice.map(|id| &self.flat.node(id).cell)
+        else {
             return vec![];
         };
-        let Cell::Select { condition, .. } = &self.flat.node(id).cell else { return vec![] };
-        vec![self.gates.bit(*condition, 0), self.gates.bit(other, bit)]
-    }
-
-    fn operand(&self, operand: &Operand, bit: u32) -> Function {
-        match operand {
-            Operand::Number(number) => Function::constant(number >> bit.min(127) & 1 == 1),
-            Operand::Of(term) if bit < term.shift => Function::ZERO,
-            Operand::Of(term) => self.gates.bit(term.of, bit - term.shift),
-        }
+        // One of the sides is the sum itself, which is inside.
+        let sides = [on_true, on_false].map(|side| self.gates.bit(*side, bit));
+        let others = sides.into_iter().filter(|side| !self.gates.is_bit_of(side, sum));
+        others.chain([self.gates.bit(*condition, 0)]).collect()
     }
 
     /// Two bits meet in an adder.

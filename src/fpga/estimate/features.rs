@@ -4,7 +4,7 @@
 //!   from the outputs back      how many low bits of each word anybody reads: synthesis trims the others
 //!   from the inputs on         how many of them are always 0: synthesis trims these too
 //!   bits of each kind          adders, gates in LUTs, choices behind adders, memory, registers
-//!   registers to registers     levels of logic, carry, multipliers: of every path that no other one exceeds in all three
+//!   registers to registers     adders, gates, carry, multipliers: of every path that no other one exceeds in all of them
 //! ```
 
 use std::rc::Rc;
@@ -14,7 +14,7 @@ use super::cover::{Cover, read_outside, reads};
 use super::gates::Gates;
 use super::kept::Kept;
 use super::paths::{Path, longest};
-use super::sums::{Adder, folds};
+use super::sums::Adder;
 use crate::error::Result;
 use crate::hdl::{Cell, Flat, Module, NodeId};
 
@@ -82,7 +82,7 @@ impl Features {
                     self.load.further += f64::from(adder.bits * (adder.operands - 2));
                 }
             }
-            Cell::Select { .. } if folds(flat, id) => self.load.folded += width,
+            Cell::Select { .. } if gates.folds.sum(id).is_some() => self.load.folded += width,
             Cell::Compare { left, right, .. } if gates.is_opaque(id) => {
                 self.load.adder += f64::from(full(left).max(full(right)));
             }
@@ -110,7 +110,7 @@ mod tests {
         m.output("y", m.slice(&sum, 0, 8));
         let features = Features::of(&m.finish().unwrap()).unwrap();
         assert_eq!((features.load.adder, features.register_bits), (8.0, 8));
-        assert_eq!(features.paths, [Path { levels: 1.0, carry: 8.0, multipliers: 0.0 }]);
+        assert_eq!(features.paths, [Path { adders: 1.0, carry: 8.0, ..Path::default() }]);
     }
 
     #[test]
@@ -125,6 +125,6 @@ mod tests {
         let features = Features::of(&m.finish().unwrap()).unwrap();
         assert_eq!((features.load.adder, features.load.folded, features.load.gates), (8.0, 8.0, 8.0));
         assert_eq!(features.fan_out, 16);
-        assert_eq!(features.paths, [Path { levels: 2.0, carry: 8.0, multipliers: 0.0 }]);
+        assert_eq!(features.paths, [Path { adders: 1.0, gates: 1.0, carry: 8.0, multipliers: 0.0 }]);
     }
 }

@@ -13,9 +13,10 @@
 
 use std::collections::BTreeMap;
 
+use super::folds::Folds;
 use super::function::Function;
 use super::kept::Kept;
-use super::sums::{Adder, folds};
+use super::sums::Adder;
 use crate::hdl::{Bitwise, Cell, Flat, NodeId, Relation};
 
 /// What a leaf is.
@@ -40,12 +41,16 @@ pub(super) struct Gates<'a> {
     /// How many LUTs are behind each leaf, on the longest way.
     depths: Vec<u32>,
     closed: BTreeMap<Function, u32>,
+    /// Choices that are no gates.
+    pub folds: Folds,
 }
 
 impl<'a> Gates<'a> {
     pub fn of(flat: &'a Flat, kept: &'a Kept) -> Gates<'a> {
         let bits = vec![vec![]; flat.nodes.len()];
-        let mut gates = Gates { flat, kept, bits, leaves: vec![], depths: vec![], closed: BTreeMap::new() };
+        let folds = Folds::of(flat, kept);
+        let mut gates =
+            Gates { flat, kept, bits, leaves: vec![], depths: vec![], closed: BTreeMap::new(), folds };
         let stored = (0..flat.nodes.len() as u32).map(NodeId);
         let stored = stored.filter(|id| {
             matches!(flat.node(*id).cell, Cell::Input | Cell::Register { .. } | Cell::MemoryRead { .. })
@@ -66,12 +71,14 @@ impl<'a> Gates<'a> {
         }
     }
 
+    /// Whether a bit is one of a node that is no gate.
+    pub fn is_bit_of(&self, bit: &Function, id: NodeId) -> bool {
+        matches!(bit.leaves(), [leaf] if self.leaves[*leaf as usize] == Leaf::Bit(id))
+    }
+
     /// Whether bits of a node are no gates.
     pub fn is_opaque(&self, id: NodeId) -> bool {
-        self.bits[id.index()].iter().any(|bit| match bit.leaves() {
-            [leaf] => self.leaves[*leaf as usize] == Leaf::Bit(id),
-            _ => false,
-        })
+        self.bits[id.index()].iter().any(|bit| self.is_bit_of(bit, id))
     }
 
     /// The leaf that a function is where it cannot go into what reads it.
@@ -120,7 +127,7 @@ impl<'a> Gates<'a> {
             }
             Cell::Not { of } => bits.map(|bit| self.bit(*of, bit).inverted()).collect(),
             Cell::Sum { .. } => self.sum(id, width),
-            Cell::Select { .. } if folds(flat, id) => self.opaque(id, width),
+            Cell::Select { .. } if self.is_folded(id) => self.opaque(id, width),
             Cell::Select { condition, on_true, on_false } => {
                 let condition = self.bit(*condition, 0);
                 bits.map(|bit| self.chosen([condition, self.bit(*on_true, bit), self.bit(*on_false, bit)]))
@@ -175,6 +182,16 @@ impl<'a> Gates<'a> {
             bits[bit as usize] = if below { ZERO } else { self.bit(lowest.of, bit - lowest.shift) };
         }
         bits
+    }
+
+    /// Whether a choice goes into an adder. It does not where that lacks pins.
+    fn is_folded(&mut self, id: NodeId) -> bool {
+        let Some(sum) = self.folds.sum(id) else { return false };
+        let fits = Folds::fits(self.flat, self.kept, self, id, sum);
+        if !fits {
+            self.folds.forget(id);
+        }
+        fits
     }
 
     /// A choice, with those of its inputs closed, as few as may be, whose leaves find no room.

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //!   LUT    = adder bits a + LUTs of gates g + ...           counted in the core (Features)
-//!   delay  = base + max over paths (levels + carry + multipliers) + log2(fan-out) + sqrt(cells)
+//!   delay  = base + max over paths (adders + gates + carry + multipliers) + log2(fan-out) + sqrt(cells)
 //!                  └── each times a constant of the family, fitted to cores that were placed and routed (calibration)
 //! ```
 //!
@@ -13,6 +13,7 @@ pub mod calibration;
 mod cover;
 mod features;
 mod fit;
+mod folds;
 mod function;
 mod gates;
 mod kept;
@@ -123,7 +124,10 @@ impl Constants {
     pub(super) fn delay_ns(&self, features: &Features, device: &Device) -> f64 {
         let clock = &self.clock;
         let one = |path: &Path| {
-            clock.level * path.levels + clock.carry * path.carry + clock.multiplier * path.multipliers
+            clock.adder * path.adders
+                + clock.gate * path.gates
+                + clock.carry * path.carry
+                + clock.multiplier * path.multipliers
         };
         let slowest = features.paths.iter().map(one).fold(0.0, f64::max);
         // Registers are copied so that none has more readers.

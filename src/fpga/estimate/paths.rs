@@ -12,8 +12,10 @@ use crate::hdl::{Cell, Flat, NodeId};
 /// A path between registers.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Path {
-    /// LUTs in a row, an adder being one.
-    pub levels: f64,
+    /// Adders in a row.
+    pub adders: f64,
+    /// LUTs of gates in a row.
+    pub gates: f64,
     /// Bits of the longest carry chain on it.
     pub carry: f64,
     pub multipliers: f64,
@@ -21,19 +23,23 @@ pub struct Path {
 
 impl Path {
     fn within(&self, other: &Path) -> bool {
-        self.levels <= other.levels && self.carry <= other.carry && self.multipliers <= other.multipliers
+        self.adders <= other.adders
+            && self.gates <= other.gates
+            && self.carry <= other.carry
+            && self.multipliers <= other.multipliers
     }
 
     fn through(&self, step: &Path) -> Path {
         Path {
-            levels: self.levels + step.levels,
+            adders: self.adders + step.adders,
+            gates: self.gates + step.gates,
             carry: self.carry.max(step.carry),
             multipliers: self.multipliers + step.multipliers,
         }
     }
 }
 
-const GATE: Path = Path { levels: 1.0, carry: 0.0, multipliers: 0.0 };
+const GATE: Path = Path { adders: 0.0, gates: 1.0, carry: 0.0, multipliers: 0.0 };
 
 /// Those that no other one exceeds in all respects.
 pub(super) fn longest(
@@ -48,21 +54,43 @@ pub(super) fn longest(
     for leaf in &gates.leaves {
         let paths = match leaf {
             Leaf::Gate(function) => arrivals.behind([function].into_iter()),
-            Leaf::Bit(id) => nodes
-                .entry(*id)
-                .or_insert_with(|| match reads.get(id) {
-                    Some(reads) if !flat.node(*id).cell.combinational_inputs().is_empty() => {
-                        let paths = arrivals.behind(reads.outside.iter());
-                        paths.iter().map(|path| path.through(&step(flat, kept, *id))).collect()
-                    }
-                    _ => vec![Path::default()],
-                })
-                .clone(),
+            Leaf::Bit(id) => {
+                if !nodes.contains_key(id) {
+                    let paths = through(flat, kept, gates, reads, &arrivals, &nodes, *id);
+                    nodes.insert(*id, paths);
+                }
+                nodes[id].clone()
+            }
         };
         arrivals.at.push(paths);
     }
     let ends = flat.clocked.iter().filter_map(|id| reads.get(id)).flat_map(|reads| &reads.outside);
     arrivals.behind(ends.chain(outside))
+}
+
+/// The paths that end behind a node that is no gate.
+fn through(
+    flat: &Flat,
+    kept: &Kept,
+    gates: &Gates,
+    reads: &BTreeMap<NodeId, Reads>,
+    arrivals: &Arrivals,
+    nodes: &BTreeMap<NodeId, Vec<Path>>,
+    id: NodeId,
+) -> Vec<Path> {
+    let starts = flat.node(id).cell.combinational_inputs().is_empty();
+    let Some(reads) = reads.get(&id).filter(|_| !starts) else { return vec![Path::default()] };
+    // What a choice behind an adder takes instead also goes through the adder's cells.
+    let sum = gates.folds.sum(id);
+    let step = step(flat, kept, sum.unwrap_or(id));
+    let mut longest = vec![];
+    for path in arrivals.behind(reads.outside.iter()) {
+        keep(&mut longest, path.through(&step));
+    }
+    for path in sum.iter().filter_map(|sum| nodes.get(sum)).flatten() {
+        keep(&mut longest, *path);
+    }
+    longest
 }
 
 /// The paths to each leaf.
@@ -99,15 +127,15 @@ fn step(flat: &Flat, kept: &Kept, id: NodeId) -> Path {
     let width = |id: &NodeId| f64::from(flat.node(*id).word.width());
     match &flat.node(id).cell {
         Cell::Sum { .. } => Adder::of(flat, kept, id).map_or(Path::default(), |adder| Path {
-            levels: f64::from(adder.operands - 1),
+            adders: f64::from(adder.operands - 1),
+            gates: 0.0,
             carry: f64::from(adder.bits),
             multipliers: 0.0,
         }),
         Cell::Compare { left, right, .. } => {
-            Path { levels: 1.0, carry: width(left).max(width(right)), multipliers: 0.0 }
+            Path { adders: 1.0, gates: 0.0, carry: width(left).max(width(right)), multipliers: 0.0 }
         }
-        Cell::Product { .. } => Path { levels: 0.0, carry: 0.0, multipliers: 1.0 },
-        // A choice behind an adder is part of it.
+        Cell::Product { .. } => Path { multipliers: 1.0, ..Path::default() },
         _ => Path::default(),
     }
 }

@@ -1,10 +1,12 @@
-//! Where the operands of a sum meet, and the choices that go into its cells.
+//! Where the operands of a sum meet.
 //!
 //! ```text
 //!   a  a a a a a a a          a + 4 b: two operands meet in the bits from the second on;
 //!      b b b b b b            below there is only wiring
 //! ```
 
+use super::function::Function;
+use super::gates::Gates;
 use super::kept::Kept;
 use crate::hdl::{Cell, Flat, NodeId, Term};
 
@@ -57,25 +59,11 @@ pub(super) fn operands(terms: &[Term], constant: i128) -> Vec<Operand> {
     operands
 }
 
-/// The sum of two numbers that is one side of a choice, and the other side: the choice goes into the adder.
-pub(super) fn folded(flat: &Flat, id: NodeId) -> Option<(NodeId, NodeId)> {
-    let Cell::Select { on_true, on_false, .. } = &flat.node(id).cell else { return None };
-    [(on_true, on_false), (on_false, on_true)].into_iter().find_map(|(side, other)| {
-        let mut id = *side;
-        loop {
-            match &flat.node(id).cell {
-                Cell::Wrap { of } | Cell::Claim { of, .. } | Cell::Slice { of, .. } => id = *of,
-                Cell::Sum { terms, constant: 0 } if terms.len() == 1 => id = terms[0].of,
-                Cell::Sum { terms, constant } => {
-                    return (terms.len() + usize::from(*constant != 0) == 2).then_some((id, *other));
-                }
-                _ => return None,
-            }
-        }
-    })
-}
-
-/// Whether a node is a choice of which one side is a sum of two numbers.
-pub(super) fn folds(flat: &Flat, id: NodeId) -> bool {
-    folded(flat, id).is_some()
+/// A bit of an operand, as if none of them were inverted: that is within the adder.
+pub(super) fn operand(gates: &Gates, operand: &Operand, bit: u32) -> Function {
+    match operand {
+        Operand::Number(number) => Function::constant(number >> bit.min(127) & 1 == 1),
+        Operand::Of(term) if bit < term.shift => Function::ZERO,
+        Operand::Of(term) => gates.bit(term.of, bit - term.shift),
+    }
 }
