@@ -114,3 +114,48 @@ fn sums_behind(flat: &Flat, id: NodeId) -> Vec<NodeId> {
     };
     sides.filter(of_two).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::hdl::{Builder, Signal, Word};
+
+    /// How many choices go into adders.
+    fn folded(build: impl Fn(&Builder, &[Signal; 4], &Signal) -> Signal) -> usize {
+        let m = Builder::new("m");
+        let [a, b, n, k] = ["a", "b", "n", "k"].map(|name| m.input(name, Word::modular(8)));
+        let sum = m.modulo(&a + &b, 8);
+        m.output("y", m.pipe("y", build(&m, &[a, b, n, k], &sum)));
+        let flat = Flat::new(&m.finish().unwrap()).unwrap();
+        let kept = Kept::of(&flat);
+        let gates = Gates::of(&flat, &kept);
+        let chosen = flat.order.iter().filter(|id| gates.folds.sum(**id).is_some());
+        chosen.count()
+    }
+
+    #[test]
+    fn a_choice_folds_where_its_sum_has_no_other_reader() {
+        let load = |m: &Builder| m.input("load", Word::bit());
+        assert_eq!(folded(|m, [_, _, n, _], sum| m.select(&load(m), n, sum)), 1);
+        let read = |m: &Builder, [_, _, n, _]: &[Signal; 4], sum: &Signal| {
+            m.output("sum", m.pipe("sum", sum));
+            m.select(&load(m), n, sum)
+        };
+        assert_eq!(folded(read), 0);
+    }
+
+    #[test]
+    fn what_is_chosen_by_is_one_bit_and_what_is_taken_may_be_a_gate() {
+        let chosen = |m: &Builder, [_, _, n, k]: &[Signal; 4], sum: &Signal| {
+            let [load, odd] = ["load", "odd"].map(|name| m.input(name, Word::bit()));
+            m.select(&load, m.select(&odd, n, k), sum)
+        };
+        // The inner choice has a LUT of its own, and then a pin suffices.
+        assert_eq!(folded(chosen), 1);
+        let both = |m: &Builder, [_, _, n, _]: &[Signal; 4], sum: &Signal| {
+            let [load, odd] = ["load", "odd"].map(|name| m.input(name, Word::bit()));
+            m.select(&m.all(&[&load, &odd]), n, sum)
+        };
+        assert_eq!(folded(both), 0);
+    }
+}

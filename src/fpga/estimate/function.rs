@@ -151,7 +151,7 @@ mod tests {
     fn five_leaves_are_too_many() {
         let wide = (1..4)
             .map(Function::leaf)
-            .fold(Some(Function::leaf(0)), |all, leaf| all.and_then(|all| all.bitwise(leaf, Bitwise::And)));
+            .try_fold(Function::leaf(0), |all, leaf| all.bitwise(leaf, Bitwise::And));
         assert_eq!(wide.unwrap().leaves(), [0, 1, 2, 3]);
         assert_eq!(wide.unwrap().bitwise(Function::leaf(7), Bitwise::And), None);
     }
