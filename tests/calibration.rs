@@ -83,6 +83,16 @@ fn measured_anew() {
     write(calibration);
 }
 
+/// What is counted in a core: SUBJECT names it.
+#[test]
+#[ignore = "prints"]
+fn counted() {
+    let core = std::env::var("SUBJECT").unwrap();
+    let started = std::time::Instant::now();
+    let features = Features::of(&subject(&core).unwrap().module).unwrap();
+    println!("{features:#?} {:?}", started.elapsed());
+}
+
 /// Only fits to what stands in the table, as after the counts have changed.
 #[test]
 #[ignore = "writes src/fpga/estimate/calibration.toml"]

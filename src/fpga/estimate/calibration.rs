@@ -33,13 +33,17 @@ pub struct Constants {
 pub struct Clock {
     /// From a register to a register, through nothing.
     pub base: f64,
+    /// Of an adder and the way to it, without its carry.
+    pub adder: f64,
     /// Of a LUT and the way to it.
-    pub level: f64,
+    pub gate: f64,
     /// Of a bit of carry.
     pub carry: f64,
     pub multiplier: f64,
     /// For every doubling of the bits that a bit of control steers.
     pub fan_out: f64,
+    /// For the width of a square of a thousand LUTs and flip-flops.
+    pub size: f64,
 }
 
 /// One core on one device, as `synth` measured it with seed 1.
@@ -60,14 +64,22 @@ const FIRST: Constants = Constants {
     luts: Load {
         adder: 1.0,
         further: 2.0,
-        multiplexer: 1.0,
-        folded: 0.3,
-        logic: 1.0,
+        gates: 1.0,
+        folded: 0.2,
+        absorbed: 0.0,
         memory: 1.0,
         delay: 0.0,
         product: 0.0,
     },
-    clock: Clock { base: 1.3, level: 0.8, carry: 0.025, multiplier: 5.0, fan_out: 0.05 },
+    clock: Clock {
+        base: 1.3,
+        adder: 0.8,
+        gate: 0.4,
+        carry: 0.025,
+        multiplier: 5.0,
+        fan_out: 0.05,
+        size: 0.1,
+    },
 };
 
 impl Calibration {
@@ -135,8 +147,8 @@ fn first(family: Family, ecp5: Load) -> Load {
     match family {
         Family::Ecp5 | Family::Nexus => ecp5,
         // A register takes a place of its own where no LUT is before it, and nothing goes into the cells of adders.
-        Family::Ice40 => Load { folded: 1.0, delay: 1.0, product: 1.0, ..ecp5 },
-        Family::Gowin => Load { folded: 1.0, delay: 1.0, ..ecp5 },
+        Family::Ice40 => Load { folded: 1.0, absorbed: 1.0, delay: 1.0, product: 1.0, ..ecp5 },
+        Family::Gowin => Load { folded: 1.0, absorbed: 1.0, delay: 1.0, ..ecp5 },
     }
 }
 
@@ -154,30 +166,30 @@ fn fitted(known: &Constants, measured: &[Measured]) -> Constants {
             .map(|(core, point, device)| square(constants.luts(core, device), point.luts as f64));
         errors.sum::<f64>() + stays(&values, &first)
     });
-    let Clock { base, level, carry, multiplier, fan_out } = known.clock;
-    let first = [base, level, carry, multiplier, fan_out];
-    let named = |values: &[f64]| match *values {
-        [base, level, carry, multiplier, fan_out] => Clock { base, level, carry, multiplier, fan_out },
-        _ => known.clock,
-    };
-    let clock = minimise(&first, |values| {
-        let constants = Constants { clock: named(values), ..known.clone() };
-        let delays =
-            measured.iter().map(|(core, point, _)| square(1e3 / constants.delay_ns(core), point.mhz));
-        delays.sum::<f64>() + stays(values, &first)
-    });
     let registers = minimise(&[known.flip_flops], |values| {
         let of = |core: &Features| values[0] * core.register_bits as f64;
         measured.iter().map(|(core, point, _)| square(of(core), point.flip_flops as f64)).sum()
     });
     let rounded = |value: f64| (value * 1e4).round() / 1e4;
     let luts = <[f64; 8]>::try_from(luts).map_or(known.luts, |values| Load::of(values.map(rounded)));
-    Constants {
-        name: known.name.clone(),
-        flip_flops: rounded(registers[0]),
-        luts,
-        clock: named(&clock.into_iter().map(rounded).collect::<Vec<_>>()),
-    }
+    // The clock depends on the area.
+    let sized = Constants { flip_flops: rounded(registers[0]), luts, ..known.clone() };
+    let Clock { base, adder, gate, carry, multiplier, fan_out, size } = known.clock;
+    let first = [base, adder, gate, carry, multiplier, fan_out, size];
+    let named = |values: &[f64]| match *values {
+        [base, adder, gate, carry, multiplier, fan_out, size] => {
+            Clock { base, adder, gate, carry, multiplier, fan_out, size }
+        }
+        _ => known.clock,
+    };
+    let clock = minimise(&first, |values| {
+        let constants = Constants { clock: named(values), ..sized.clone() };
+        let delays = measured
+            .iter()
+            .map(|(core, point, device)| square(1e3 / constants.delay_ns(core, device), point.mhz));
+        delays.sum::<f64>() + stays(values, &first)
+    });
+    Constants { clock: named(&clock.into_iter().map(rounded).collect::<Vec<_>>()), ..sized }
 }
 
 #[cfg(test)]
@@ -187,10 +199,10 @@ mod tests {
 
     #[test]
     fn constants_are_found_again_from_what_they_make() {
-        let features = |adder: f64, multiplexer: f64, levels: f64, carry: f64| Features {
-            load: Load { adder, multiplexer, ..Load::default() },
+        let features = |adder: f64, gates: f64, adders: f64, carry: f64| Features {
+            load: Load { adder, gates, ..Load::default() },
             register_bits: adder as u64,
-            paths: vec![Path { levels, carry, multipliers: 0.0 }],
+            paths: vec![Path { adders, carry, ..Path::default() }],
             ..Features::default()
         };
         let cores = [
@@ -200,8 +212,8 @@ mod tests {
             features(4000.0, 100.0, 5.0, 40.0),
         ];
         let truth = Constants {
-            luts: Load { adder: 1.2, multiplexer: 0.7, ..FIRST.luts },
-            clock: Clock { base: 1.0, level: 0.6, carry: 0.04, ..FIRST.clock },
+            luts: Load { adder: 1.2, gates: 0.7, ..FIRST.luts },
+            clock: Clock { base: 1.0, adder: 0.6, carry: 0.04, ..FIRST.clock },
             flip_flops: 0.9,
             ..FIRST
         };

@@ -1,8 +1,8 @@
 //! LUTs, flip-flops and clock of a core on a device, at once and without tools.
 //!
 //! ```text
-//!   LUT    = adder bits a + multiplexer bits m + logic l + ...           counted in the core (Features)
-//!   delay  = base + max over paths (levels + carry + multipliers) + log2(fan-out)
+//!   LUT    = adder bits a + LUTs of gates g + ...           counted in the core (Features)
+//!   delay  = base + max over paths (adders + gates + carry + multipliers) + log2(fan-out) + sqrt(cells)
 //!                  └── each times a constant of the family, fitted to cores that were placed and routed (calibration)
 //! ```
 //!
@@ -10,18 +10,26 @@
 //! the constants; `fitted_anew` only fits.
 
 pub mod calibration;
+mod cover;
 mod features;
 mod fit;
+mod folds;
+mod function;
+mod gates;
 mod kept;
+mod paths;
+mod sums;
 
 use std::rc::Rc;
 
 use serde::{Deserialize, Serialize};
 
 pub use calibration::{Calibration, Constants, Point};
-pub use features::{Features, Path};
+pub use features::Features;
+pub use paths::Path;
 
-use super::device::Device;
+use super::device::{Device, Family};
+use super::fan_out::MOST_READERS;
 use crate::error::Result;
 use crate::hdl::Module;
 
@@ -32,11 +40,12 @@ pub struct Load {
     pub adder: f64,
     /// For each operand beyond the second.
     pub further: f64,
-    pub multiplexer: f64,
-    /// Multiplexers behind an adder, which some families have room for in the adder's cell.
+    /// LUTs of gates.
+    pub gates: f64,
+    /// Choices behind an adder, which some families have room for in the adder's cell.
     pub folded: f64,
-    /// Gates, equalities, tables, in LUTs of four inputs.
-    pub logic: f64,
+    /// Gates before an adder, for which the same holds.
+    pub absorbed: f64,
     /// Bits by sixteen words of memory.
     pub memory: f64,
     /// Registers that are fed by registers.
@@ -50,17 +59,17 @@ impl Load {
         [
             self.adder,
             self.further,
-            self.multiplexer,
+            self.gates,
             self.folded,
-            self.logic,
+            self.absorbed,
             self.memory,
             self.delay,
             self.product,
         ]
     }
 
-    pub(super) fn of([adder, further, multiplexer, folded, logic, memory, delay, product]: [f64; 8]) -> Load {
-        Load { adder, further, multiplexer, folded, logic, memory, delay, product }
+    pub(super) fn of([adder, further, gates, folded, absorbed, memory, delay, product]: [f64; 8]) -> Load {
+        Load { adder, further, gates, folded, absorbed, memory, delay, product }
     }
 }
 
@@ -100,7 +109,7 @@ impl Constants {
             flip_flops: (self.flip_flops * features.register_bits as f64).round() as u64,
             dsps: if device.holds.dsps > 0 { features.dsps } else { 0 },
             // A tenth of a megahertz is far below what the model knows.
-            clock_mhz: (1e4 / self.delay_ns(features)).round() / 10.0,
+            clock_mhz: (1e4 / self.delay_ns(features, device)).round() / 10.0,
         }
     }
 
@@ -112,13 +121,21 @@ impl Constants {
     }
 
     /// Nanoseconds of the slowest path.
-    pub(super) fn delay_ns(&self, features: &Features) -> f64 {
+    pub(super) fn delay_ns(&self, features: &Features, device: &Device) -> f64 {
         let clock = &self.clock;
         let one = |path: &Path| {
-            clock.level * path.levels + clock.carry * path.carry + clock.multiplier * path.multipliers
+            clock.adder * path.adders
+                + clock.gate * path.gates
+                + clock.carry * path.carry
+                + clock.multiplier * path.multipliers
         };
         let slowest = features.paths.iter().map(one).fold(0.0, f64::max);
-        clock.base + slowest + clock.fan_out * (features.fan_out.max(1) as f64).log2()
+        // Registers are copied so that none has more readers.
+        let most = if device.family == Family::Ecp5 { MOST_READERS as u64 } else { u64::MAX };
+        let fan_out = features.fan_out.clamp(1, most) as f64;
+        // Ways are as long as the square is wide that the core fills.
+        let cells = self.luts(features, device) + self.flip_flops * features.register_bits as f64;
+        clock.base + slowest + clock.fan_out * fan_out.log2() + clock.size * (cells / 1000.0).sqrt()
     }
 }
 
