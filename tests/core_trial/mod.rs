@@ -47,7 +47,8 @@ pub fn built_in(cores: Vec<Parameters>) {
 /// All of them in the simulators that are here.
 pub fn installed(cores: Vec<Parameters>) {
     for tool in [Tool::Verilator, Tool::Icarus] {
-        let settings = Settings::default();
+        // Short runs of many cores: what takes the time is to build them.
+        let settings = Settings { compile_fast: true, ..Settings::default() };
         if let Err(error) = External::new(tool, settings.clone()).version() {
             println!("skipped: {error}");
             continue;
