@@ -98,7 +98,7 @@ fn a_flipped_bit_on_the_line_is_noticed() {
     let (mut noticed, mut changed) = (0, 0);
     for flip in (0..40).map(|nth| start + 37 * nth) {
         let line = |clock: u64, line: bool| line ^ (flip..flip + 4).contains(&clock);
-        let session = Session {
+        let dialogue = Session {
             top: &flat,
             clocks_per_bit: 4,
             pressed: &[],
@@ -106,7 +106,7 @@ fn a_flipped_bit_on_the_line_is_noticed() {
             to_the_end: true,
             disturb: &line,
         };
-        let Ok(received) = session.run() else { continue };
+        let Ok(received) = dialogue.run() else { continue };
         changed += usize::from(received.bytes != expected);
         let frame = frame::find(&received.bytes);
         let wrong = match frame {

@@ -10,8 +10,8 @@
 //! Results go to standard output, everything else to standard error; progress only to a terminal. The exit
 //! status is 0 when all is well, else the kind of the error (see [`crate::Kind`]).
 
-pub mod aim;
-mod board;
+mod aim;
+pub mod board;
 pub mod completions;
 pub mod config;
 pub mod doctor;

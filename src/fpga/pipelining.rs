@@ -38,7 +38,7 @@ pub const CHUNKS: [Option<u32>; 15] = [
     Some(4),
 ];
 
-/// The first form that reaches the goal, its core and its estimate. A form that no core has is passed over.
+/// The first form that reaches the goal, its core and its estimate.
 ///
 /// # Errors
 /// `Usage` where no form reaches the goal, with the fastest one, and for a device that no core was measured on; a core

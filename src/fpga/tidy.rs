@@ -9,13 +9,15 @@
 //!   shifted      [0 |a0]─►[a1|a2]                                   2 cells: the unused half makes the constant
 //! ```
 //!
-//! A chain without an unused half gets one, in a cell behind it in place of the one before it. A half that lets a register's
-//! carry in needs no constant before it.
+//! A chain without an unused half gets one, in a cell behind it in place of the one before it. A half that lets a
+//! register's carry in needs no constant before it.
 //!
-//! Two registers with different enables do not fit behind one cell; where a chain ends so, its last bit moves into a cell more.
+//! Two registers with different enables do not fit behind one cell; where a chain ends so, its last bit moves into a
+//! cell more.
 //!
 //! Besides, [choices](super::fold) go into the cells of the adders before them, and [registers](super::fan_out) with many
-//! readers are copied; an inverter in front of [resets](super::resets) goes into the registers, and so does a gate with the reset. None of this changes a bit of what the circuit computes; the netlist that is simulated is the one
+//! readers are copied; an inverter in front of [resets](super::resets) goes into the registers, and so does a gate with
+//! the reset. None of this changes a bit of what the circuit computes; the netlist that is simulated is the one
 //! after this step.
 
 use std::collections::BTreeMap;

@@ -9,7 +9,8 @@ use crate::error::Result;
 use crate::hdl::{Builder, Module, Signal, Word};
 
 /// Inputs: at `take_k` the head of column k is `last_l`, at the last of them that of the column behind it `next_l`;
-/// `strip` starts all columns from their heads, one lane's from those that are there now; `step` goes one row up; `valid` says that the vertices of the row mean
+/// `strip` starts all columns from their heads, one lane's from those that are there now; `step` goes one row up;
+/// `valid` says that the vertices of the row mean
 /// something, `keep_k` that there is a vertex in column k. Outputs: `v0` ... , rounded.
 pub fn build(parameters: Parameters, lanes: u32) -> Result<Rc<Module>> {
     let m = Builder::new("columns");

@@ -28,7 +28,8 @@ fn higher((k, l): (u32, u32)) -> Option<((u32, u32), u32)> {
 }
 
 /// Inputs: `n..` are taken at `capture` and wait; `load` moves them into the outer differences; `advance` steps these
-/// to the next column. Where they do not wait, `capture` loads. A clock later, `last_l` are the differences D0l of the column before, `next_l` those of the
+/// to the next column. Where they do not wait, `capture` loads. A clock later, `last_l` are the differences D0l of the
+/// column before, `next_l` those of the
 /// next one, and `fourth` is D13.
 ///
 /// In digits, `turn` comes a clock ([`LEAD`]) before the first one of a load or an advance. As early, through all digits,
