@@ -373,6 +373,9 @@ mod tests {
         for (enable, parted) in [(40, 0), (41, 1)] {
             let mut before = chain("x", &[]);
             let cells = before.0["modules"]["m"]["cells"].as_object_mut().unwrap();
+            // The lowest half carries its bit out, so that the last one has a carry to lose.
+            cells["low"]["connections"]["C0"] = json!(["1"]);
+            cells["low"]["parameters"]["INIT0"] = json!("0000000000000010");
             let bits = [(20, 40), (21, 40), (22, 40), (23, enable)];
             for (bit, enable) in bits {
                 cells.insert(format!("r{bit}"), register(bit, enable));
