@@ -130,7 +130,7 @@ pub fn project(design: &Design, checked: Option<&Received>) -> Result<Package> {
     files.push(("simulation/expected.hex".into(), hex.into_bytes()));
     files.push(("manifest.json".into(), manifest(design, page, checked, &files)?));
     files.sort();
-    Ok(Package { top: "board_top".into(), files, estimate: None })
+    Ok(Package { top: "board_top".into(), files, estimate: None, latency: None })
 }
 
 fn page<'a>(

@@ -214,6 +214,9 @@ pub fn run(args: &Args) -> Result<()> {
         Core::Board(board) => (board.package()?, board.folder(), board.force),
     };
     package.write(&folder, force)?;
+    if let Some((clocks, between)) = package.latency {
+        progress::note(format!("latency: {clocks} clocks from {between}"));
+    }
     if let Some(estimate) = &package.estimate {
         progress::note(format!("estimate: {estimate}"));
     }

@@ -61,8 +61,13 @@ pub struct Strip {
 /// word may be offered if `offer[c % len]`, and then stays offered until it is taken; the output is taken if
 /// `ready[c % len]`.
 pub fn run(core: Core, strips: &[Strip], offer: &[bool], ready: &[bool]) -> u64 {
+    run_until(core, strips, offer, ready, u64::MAX)
+}
+
+/// Clocks to the last output beat, or to the one of number `most`.
+fn run_until(core: Core, strips: &[Strip], offer: &[bool], ready: &[bool], most: u64) -> u64 {
     let mut machine = Machine::new(core);
-    let wanted: u64 = strips.iter().map(|strip| machine.beats(strip)).sum();
+    let wanted = strips.iter().map(|strip| machine.beats(strip)).sum::<u64>().min(most);
     let mut words = strips.iter().flat_map(|strip| {
         let last = strip.words.len() - 1;
         strip.words.iter().enumerate().flat_map(move |(column, &count)| {
@@ -146,8 +151,10 @@ struct Machine {
     finishing: (bool, u32),
     pipeline: Vec<bool>,
     buffered: Option<Buffered>,
-    /// Of a registered core: all was settled a clock ago, and nothing came in.
+    /// Of a registered core: all was settled a clock ago, and nothing came in; where ends are walked around it is known
+    /// after another one.
     was_idle: bool,
+    known_idle: bool,
     /// A word that waits, for so many clocks; one that does not count yet.
     waits: Option<(Word, u32)>,
     taken: Option<Word>,
@@ -192,6 +199,7 @@ impl Machine {
             pipeline,
             buffered,
             was_idle: true,
+            known_idle: true,
             waits: None,
             taken: None,
             had_room: false,
@@ -262,7 +270,11 @@ impl Machine {
         let empty = self.buffered.as_ref().is_none_or(|buffered| buffered.empty);
         let idle =
             self.levels.iter().all(|level| level.columns == 0 && level.comes.is_none()) && !stage && empty;
-        let settles = if self.core.buffer.is_some() { self.was_idle } else { idle };
+        let settles = match (walks, self.core.buffer.is_some()) {
+            (true, _) => self.known_idle,
+            (false, true) => self.was_idle,
+            (false, false) => idle,
+        };
 
         let enters = walks && self.waits.is_none();
         let looked_at =
@@ -276,6 +288,7 @@ impl Machine {
         });
 
         // The edge.
+        self.known_idle = self.was_idle && self.taken.is_none();
         self.was_idle = idle;
         self.had_room = next_ready;
         let (mut reaches, mut arrivals) = (None, vec![]);
@@ -333,6 +346,7 @@ impl Machine {
             let dropped = self.dropping || (word.first && (word.level == 0 || word.level > self.core.levels));
             self.dropping = dropped && !word.last;
             self.was_idle &= dropped;
+            self.known_idle &= dropped;
             if !dropped {
                 if word.first && self.wanted != word.level as usize {
                     self.wanted = word.level as usize;
@@ -404,11 +418,18 @@ impl Machine {
 /// Clocks for each further column of a strip of the finest level whose vertices all have valence 4, in the
 /// long run.
 pub fn clocks_per_column(core: Core) -> f64 {
-    let clocks = |quads: u32| {
-        let words = std::iter::once(4).chain((0..=quads).map(|_| 4)).chain([4]).collect();
-        run(core, &[Strip { level: core.levels, words }], &[true], &[true])
-    };
+    let clocks = |quads: u32| run(core, &[regular(core, quads)], &[true], &[true]);
     (clocks(40) - clocks(8)) as f64 / 32.0
+}
+
+/// Clocks from the first word after reset to the first output beat, both counted, of such a strip.
+pub fn latency(core: Core) -> u64 {
+    run_until(core, &[regular(core, 8)], &[true], &[true], 1)
+}
+
+/// A strip of the finest level whose vertices all have valence 4.
+fn regular(core: Core, quads: u32) -> Strip {
+    Strip { level: core.levels, words: vec![4; quads as usize + 3] }
 }
 
 #[cfg(test)]
@@ -445,6 +466,16 @@ mod tests {
     fn five_levels() {
         let clocks = Schedule::ALL.map(|schedule| clocks_per_column(core(5, schedule, false)));
         assert_eq!(clocks, [62.0, 32.0, 16.0]);
+    }
+
+    #[test]
+    fn the_first_beat_comes_before_the_last_one_and_later_with_every_level() {
+        let latencies = [1, 2, 3, 4].map(|levels| latency(core(levels, Schedule::Pipelined, false)));
+        assert!(latencies.is_sorted_by(|one, next| one < next), "{latencies:?}");
+        // Three columns of four words at least before there is a vertex column between them.
+        assert!(latencies[0] > 12, "{latencies:?}");
+        let core = core(4, Schedule::Pipelined, false);
+        assert!(latency(core) < run(core, &[regular(core, 8)], &[true], &[true]));
     }
 
     #[test]

@@ -74,15 +74,18 @@ pub fn package(parameters: Parameters, prove_it: bool) -> Result<Package> {
     let (mesh, rings) = sample(parameters)?;
     let bench = StripBench::new(&core, parameters, parameters.levels, &mesh, &rings)?;
 
+    let protocol = protocol(&core, parameters);
+    let first = cc_strip_clocks::latency(protocol);
     let draft = Draft {
         core: "cc-strip",
         purpose: "Catmull-Clark subdivision of quad strips by a sliding window",
         command,
         parameters: parameters_json(parameters, stored_vertices(&core, parameters)?),
         streams: streams(parameters),
-        latency: Value::Null,
+        latency: json!({ "first_beat_after_first_word": first }),
+        first: (first, "the first word of a strip to its first beat"),
         initiation_interval: json!({
-            "clocks_per_input_column": cc_strip_clocks::clocks_per_column(protocol(&core, parameters)),
+            "clocks_per_input_column": cc_strip_clocks::clocks_per_column(protocol),
             "where": "strips of the finest level, valence 4, no stalls",
         }),
         proofs: proofs(proof.as_ref()),

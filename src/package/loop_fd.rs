@@ -13,7 +13,7 @@ use crate::cosim::loop_trial::{LoopTrial, Packet};
 use crate::error::{Error, Kind, Result};
 use crate::fixed::{Precision, Reduced, Rounding};
 use crate::hdl::{Module, verilog};
-use crate::model::loop_fd_clocks;
+use crate::model::loop_fd_clocks::{self, Depths};
 use crate::surface::control_mesh::ControlMesh;
 use crate::surface::precision::{of_patch, total_lsb};
 
@@ -53,13 +53,16 @@ pub fn package(parameters: Parameters, prove_it: bool) -> Result<Package> {
     let dut = loop_bench::device(&core, &sources);
     let (input, expected) = sample(&core, parameters)?;
 
+    let depths = loop_bench::depths(&core);
+    let first = loop_fd_clocks::run(&[parameters.min_level], depths, &[true], &[true]).latency;
     let draft = Draft {
         core: "loop-fd",
         purpose: "Forward-difference engine for Loop subdivision surfaces",
         command,
         parameters: parameters_json(parameters),
         streams: streams(parameters),
-        latency: latency(&core),
+        latency: latency(depths, first),
+        first: (first, "the last point of a patch to its first vertex"),
         initiation_interval: initiation_interval(&core, parameters),
         proofs: proofs(proof.as_ref(), parameters),
         input: &input,
@@ -162,11 +165,9 @@ fn streams(parameters: Parameters) -> Value {
     })
 }
 
-fn latency(core: &Rc<Module>) -> Value {
-    let depths = loop_bench::depths(core);
-    let first = loop_fd_clocks::run(&[0], depths, &[true], &[true]);
+fn latency(depths: Depths, first: u64) -> Value {
     json!({
-        "first_vertex_after_last_point": first.latency,
+        "first_vertex_after_last_point": first,
         "startup": depths.startup,
         "rounding": depths.rounder,
     })

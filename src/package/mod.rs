@@ -37,6 +37,8 @@ pub struct Package {
     pub files: Vec<(PathBuf, Vec<u8>)>,
     /// What the core will be on the first of [`ESTIMATED`]; nothing for what is more than a core.
     pub estimate: Option<Estimate>,
+    /// Clocks, from what to what.
+    pub latency: Option<(u64, &'static str)>,
 }
 
 /// The devices that a core is estimated on.
@@ -87,6 +89,8 @@ struct Draft<'a> {
     parameters: Value,
     streams: Value,
     latency: Value,
+    /// Of these clocks, what a user asks for first: how many, from what to what.
+    first: (u64, &'static str),
     initiation_interval: Value,
     proofs: Value,
     /// The vectors that come with the testbench.
@@ -152,7 +156,7 @@ fn assemble(module: &Rc<Module>, dut: &Dut, draft: Draft) -> Result<Package> {
     let json = serde_json::to_string_pretty(&manifest)
         .map_err(|e| Error::new(Kind::ToolFailed, format!("the manifest cannot be written: {e}")))?;
     files.push(("manifest.json".into(), format!("{json}\n").into_bytes()));
-    Ok(Package { top, files, estimate: estimates.into_iter().next() })
+    Ok(Package { top, files, estimate: estimates.into_iter().next(), latency: Some(draft.first) })
 }
 
 impl Package {

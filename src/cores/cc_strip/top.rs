@@ -184,11 +184,17 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
     m.drive(&output_ready, &room);
     let mut settled: Vec<Signal> = stages.iter().map(|stage| stage.control.out("idle")).collect();
     settled.push(empty);
+    let comes = m.wire("comes_in", loader.out("comes") | loader.out("accept"));
+    if parameters.walked() {
+        // All of one clock, from wherever they are to a register beside the loader's.
+        settled.push(m.wire("comes_not", !&comes));
+        let known = |(at, now): (usize, &Signal)| m.restart(&m.pipe_reset(format!("rests_{at}"), now, 1), 0);
+        settled = settled.iter().enumerate().map(known).collect();
+    }
     let all_idle = m.wire("all_idle", m.all(&settled.iter().collect::<Vec<_>>()));
     if parameters.registered {
         // Known a clock late: a word that came in then may be the last of a column.
         let was_idle = m.register_reset("was_idle", Word::bit(), 1);
-        let comes = loader.out("comes") | loader.out("accept");
         m.always(&was_idle, &all_idle & &!comes);
         m.drive(&idle, &was_idle);
     } else {
