@@ -9,7 +9,7 @@ use std::rc::Rc;
 
 use super::core::port;
 use super::strip_lanes::Lanes;
-use crate::cores::cc_strip::buffer::MIDDLE;
+use crate::cores::cc_strip::buffer::{MIDDLE, WRITTEN};
 use crate::cores::cc_strip::buffered::{LEAVES, ROUNDING};
 use crate::cores::cc_strip::control::WALKS;
 use crate::cores::cc_strip::finish::Kind;
@@ -174,7 +174,7 @@ fn buffer(core: &Module) -> Option<cc_strip_clocks::Buffer> {
     };
     let delays = [1, 2, 3, 4, 5, 6, 7].map(delay);
     let node = |name: &str| placed.module.nodes.iter().find(|node| node.name.as_deref() == Some(name));
-    let words = node("stored")?.word.range.max as u32;
+    let words = node(WRITTEN)?.word.range.max as u32 + 1;
     Some(cc_strip_clocks::Buffer { delays, words, middle: node(MIDDLE).is_some() })
 }
 

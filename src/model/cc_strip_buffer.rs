@@ -9,7 +9,7 @@ pub struct Buffer {
     /// Clocks from the control of level l to the buffer, for l = 1, 2, ...
     pub delays: [u32; 7],
     pub words: u32,
-    /// A word stands between the memory and the output.
+    /// A word stands between the memory and the output, and may wait beside that.
     pub middle: bool,
 }
 
@@ -23,6 +23,8 @@ pub(super) struct Buffered {
     way: VecDeque<bool>,
     stored: u32,
     middle: bool,
+    /// No word waits beside the output.
+    spare: bool,
     pub(super) standing: bool,
     free: u32,
     issued: bool,
@@ -38,6 +40,7 @@ impl Buffered {
             way,
             stored: 0,
             middle: false,
+            spare: true,
             standing: false,
             free: words,
             issued: false,
@@ -60,10 +63,19 @@ impl Buffered {
         unasked: u32,
     ) {
         let free = !self.standing || ready;
-        let take = self.stored > 0 && (free || (middle && !self.middle));
-        let arrives = if middle { self.middle && free } else { take };
-        self.standing = arrives || (self.standing && !ready);
-        self.middle = take || (self.middle && !free);
+        let take = if middle {
+            let take = self.stored > 0 && (!self.middle || self.spare);
+            if free {
+                self.standing = self.middle || !self.spare;
+            }
+            (self.spare, self.middle) =
+                (free || (self.spare && !self.middle), take || (self.middle && !self.spare));
+            take
+        } else {
+            let take = self.stored > 0 && free;
+            self.standing = take || (self.standing && !ready);
+            take
+        };
         self.way.push_front(issue);
         let push = self.way.pop_back().unwrap_or(false);
         self.stored = self.stored + u32::from(push) - u32::from(take);

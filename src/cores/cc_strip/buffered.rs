@@ -21,7 +21,7 @@ use crate::hdl::{Placed, Signal, Word};
 pub const LEAVES: &str = "leaves_at_level_";
 
 /// Clocks from the last adder of a level into the buffer.
-pub const ROUNDING: u32 = 3;
+pub const ROUNDING: u32 = 4;
 
 /// Words of the buffer for data so many clocks behind their control: what is on its way, and some that wait.
 pub fn log_depth(delay: u32) -> u32 {
@@ -131,8 +131,9 @@ impl Output<'_> {
         };
         let period = self.offers.iter().map(|offer| offer.period).max().unwrap_or(0);
         let together = |name: &str, signal: Signal, axis: usize| {
-            let until = (2 - axis as u32) * period;
-            here(&waits.until(&format!("{name}_slot"), &[(name.to_string(), signal)], until)[0])
+            let now = signal.time().unwrap_or(0);
+            let until = now + (2 - axis as u32) * period;
+            m.restart(&waits.until(&format!("{name}_slot"), &[(name.to_string(), signal)], until)[0], now)
         };
         let mut vertices = vec![];
         for row in 0..lanes {
@@ -143,7 +144,9 @@ impl Output<'_> {
                     let of = |offer: &Offer| {
                         columns[index(offer)?][axis].rows.get(row).filter(|_| offer.group.in_turn == in_turn)
                     };
-                    self.offers.iter().any(|offer| of(offer).is_some()).then(|| self.aligned(row, of))
+                    let chosen = format!("{name}_{letter}_{}", if in_turn { "in_turn" } else { "at_once" });
+                    let any = self.offers.iter().any(|offer| of(offer).is_some());
+                    any.then(|| m.pipe(chosen, self.aligned(row, of)))
                 };
                 let aligned = match (of(true), of(false)) {
                     (Some(turns), Some(other)) => {
@@ -151,7 +154,7 @@ impl Output<'_> {
                         m.select(&takes_turns, &turns, &other)
                     }
                     (Some(turns), None) => together(&format!("{name}_{letter}_of_turn"), turns, axis),
-                    (_, other) => other.unwrap_or_else(|| self.aligned(row, |_| None)),
+                    (None, other) => other.unwrap_or_else(|| self.aligned(row, |_| None)),
                 };
                 let aligned = m.pipe(format!("{name}_{letter}_aligned"), &aligned);
                 let drop = aligned.word().fraction - self.parameters.output_fraction as i32;

@@ -39,7 +39,7 @@ pub fn build(index: usize, group: &Group, walks: u32) -> Result<Rc<Module>> {
         true => sending::in_turn(&m, group, &start, &level.vertex, period),
         false => sending::at_once(&m, group, &start),
     };
-    let Sending { sends, leaves, begins, whole: sent, done, slice, axis } = sending;
+    let Sending { sends, leaves, begins, starts, whole: sent, done, slice, axis } = sending;
     m.drive(&start, m.wire("begins_to_send", m.all(&[&level.leaves, &!&sends, &target])));
 
     // The window stands as long as its ends are being looked at.
@@ -47,14 +47,14 @@ pub fn build(index: usize, group: &Group, walks: u32) -> Result<Rc<Module>> {
     let walks = if axis.is_some() { 2 * period + walks } else { walks };
     let rest = m.register_reset(WALKS, Word::range(0, walks.into()), 0);
     let stands = m.register_reset("stands", Word::bit(), 0);
-    let first_walk = match &axis {
-        Some(axis) => m.wire("first_walk", &walk & m.is(axis, 0)),
-        None => walk.clone(),
-    };
+    let first_walk = m.wire("first_walk", &starts & &level.vertex);
     m.on(&first_walk, &rest, m.constant(walks.into(), rest.word()));
     m.on(&stands, &rest, m.wrap(&rest - 1, rest.word()));
+    // It stands for more than two clocks, and no other column leaves meanwhile but the one between.
+    let falls = m.register_reset("stands_no_more", Word::bit(), 0);
+    m.always(&falls, &stands & &m.is(&rest, 2));
     m.on(&first_walk, &stands, m.bit(true));
-    m.on(&m.is(&rest, 1), &stands, m.bit(false));
+    m.on(&falls, &stands, m.bit(false));
 
     // A column that is whole counts a clock later.
     let whole = m.pipe_reset(format!("arrived_{l}"), &valid & &incoming.ends, 0);
