@@ -263,6 +263,30 @@ fn a_memory_is_read_before_it_is_written_and_holds_while_not_enabled() {
 }
 
 #[test]
+fn a_word_that_is_written_cannot_be_read_where_reads_and_writes_are_apart() {
+    let m = Builder::new("m");
+    let [from, to] = ["from", "to"].map(|name| m.input(name, Word::unsigned(2)));
+    let memory = m.memory("memory", 4, Word::signed(8), vec![-1, -2, -3, -4]).apart();
+    memory.write(&m.bit(true), &to, &m.input("data", Word::signed(8)));
+    m.output("y", memory.read("word", &from, None));
+    let flat = Flat::new(&m.finish().unwrap()).unwrap();
+    let [from, to, data] = ["from", "to", "data"].map(|name| flat.input(name).unwrap());
+    let mut simulator = Simulator::new(flat, LinearForms::<1>::new(vec![]));
+    let mut read = |word, written| {
+        [(from, word), (to, written), (data, 5)]
+            .into_iter()
+            .for_each(|(input, value)| simulator.set(input, Value::Integer(value)));
+        simulator.settle();
+        simulator.edge(false).unwrap();
+        simulator.settle();
+        *simulator.get(simulator.flat.output("y").unwrap())
+    };
+    assert_eq!(read(1, 2), Value::Integer(-2));
+    assert_eq!(read(2, 3), Value::Integer(5));
+    assert_eq!(read(0, 0), Value::Unknown);
+}
+
+#[test]
 fn a_rom_gives_its_contents_one_clock_after_the_address() {
     let (m, a, _) = two_inputs(Word::unsigned(2), Word::bit());
     let rom = m.memory("rom", 4, Word::signed(4), vec![3, -8, 7, 0]);

@@ -5,8 +5,8 @@ use std::path::Path;
 use std::process::Command;
 
 use subdiv_rtl::cores::cc_strip::{self, Schedule};
-use subdiv_rtl::cores::loop_fd::{Parameters, RegisterForm};
-use subdiv_rtl::fixed::{Precision, Reduced, Rounding};
+use subdiv_rtl::cores::loop_fd::{Columns, Parameters, RegisterForm};
+use subdiv_rtl::fixed::{Format, Precision, Reduced, Rounding};
 use subdiv_rtl::hdl::{Word, verilog};
 use subdiv_rtl::package;
 use subdiv_rtl::package::Package;
@@ -85,6 +85,29 @@ fn reduced_loop_fd_is_silent() {
         let parameters = Parameters::new(format, output, max_level, form)
             .and_then(|p| p.with_min_level(min_level))
             .and_then(|p| p.with_precision(precision))
+            .expect("a core that exists");
+        let what = format!("{parameters:?}");
+        check(&package::loop_fd::package(parameters, max_level <= 3).expect(&what), &what);
+    }
+}
+
+#[test]
+fn lanes_of_loop_fd_are_silent() {
+    let cases = [
+        ("Q12.12", (8, 8), Some(15), 1, Columns::Shared),
+        ("Q4.8", (0, 3), Some(12), 3, Columns::Shared),
+        ("Q4.8", (0, 2), None, 2, Columns::Shared),
+        ("Q12.12", (8, 8), Some(15), 1, Columns::Buffered),
+        ("Q4.8", (0, 3), None, 1, Columns::Buffered),
+        ("Q4.4", (3, 5), Some(16), 1, Columns::Buffered),
+        ("Q2.2", (0, 0), None, 1, Columns::Buffered),
+    ];
+    for (coordinates, (min_level, max_level), chunk, lanes, columns) in cases {
+        let format: Format = coordinates.parse().expect("a format");
+        let parameters = Parameters::new(format, format.fraction, max_level, RegisterForm::Minimal20)
+            .and_then(|p| {
+                p.with_min_level(min_level)?.with_chunk(chunk)?.with_lanes(lanes)?.with_columns(columns)
+            })
             .expect("a core that exists");
         let what = format!("{parameters:?}");
         check(&package::loop_fd::package(parameters, max_level <= 3).expect(&what), &what);

@@ -12,7 +12,10 @@ use super::{
     values::{FINEST_LEVEL, Numbers, Registers, USUAL_MAX_LEVEL},
 };
 use crate::{
-    cores::{cc_strip, loop_fd::Parameters},
+    cores::{
+        cc_strip,
+        loop_fd::{Columns, Parameters},
+    },
     error::Result,
     fixed::{Format, Fractions, Precision, Rounding},
     package,
@@ -142,6 +145,11 @@ pub struct LoopFd {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=Parameters::MOST_LANES as i64))]
     pub lanes: Option<u32>,
 
+    /// Where the columns of a strip come from: shared (both run) or buffered (one runs, a memory keeps the one before; of
+    /// one lane) [default: shared]
+    #[arg(long, value_name = "FORM")]
+    pub columns: Option<Columns>,
+
     #[command(flatten)]
     pub numbers: Numbers,
 
@@ -184,6 +192,8 @@ where core.toml has any of these lines:
   rounding = \"half-up\"
   saturate = false
   chunk = 14
+  lanes = 1
+  columns = \"shared\"
   proof = true
   output = \"rtl/loop-fd\"     # from the folder of the configuration";
 
@@ -239,6 +249,7 @@ pub struct Settings {
     pub precision: Precision,
     pub chunk: Option<u32>,
     pub lanes: Option<u32>,
+    pub columns: Columns,
     /// Whether to prove the core before it is written.
     pub proof: bool,
     /// Whether to write into a folder that holds other files.
@@ -256,7 +267,8 @@ impl Settings {
             .with_min_level(self.min_level)?
             .with_precision(self.precision)?
             .with_chunk(self.chunk)?
-            .with_lanes(self.lanes)
+            .with_lanes(self.lanes)?
+            .with_columns(self.columns)
     }
 }
 
@@ -266,7 +278,7 @@ impl LoopFd {
     /// # Errors
     /// Those of the configuration file.
     pub fn settings(&self) -> Result<Settings> {
-        const KEYS: [&str; 13] = [
+        const KEYS: [&str; 14] = [
             "coordinates",
             "output-fraction",
             "max-level",
@@ -278,6 +290,7 @@ impl LoopFd {
             "saturate",
             "chunk",
             "lanes",
+            "columns",
             "proof",
             "output",
         ];
@@ -324,6 +337,7 @@ impl LoopFd {
                     u32::try_from(lanes).ok().filter(|lanes| (1..=most).contains(lanes))
                 })
             })?,
+            columns: or_file(self.columns, file, |file| file.text("columns"))?.unwrap_or_default(),
             proof: or_file(proof, file, |file| file.truth("proof"))?.unwrap_or(true),
             force: self.force,
             folder: or_file(self.output.clone(), file, |file| file.path("output"))?
@@ -382,6 +396,7 @@ mod tests {
                 precision,
                 chunk: None,
                 lanes: None,
+                columns: Columns::Shared,
                 proof,
                 force,
                 folder
@@ -439,6 +454,23 @@ mod tests {
     }
 
     #[test]
+    fn columns_are_those_of_the_command_line_or_of_the_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("core.toml");
+        fs::write(&file, "columns = \"buffered\"\n").unwrap();
+        let with = |words: &str| parse(&format!("--config {} {words}", file.display())).unwrap().settings();
+        let buffered = with("").unwrap().parameters().unwrap();
+        assert_eq!((buffered.columns, buffered.lanes), (Columns::Buffered, Some(1)));
+        let shared = with("--columns shared").unwrap().parameters().unwrap();
+        assert_eq!((shared.columns, shared.lanes), (Columns::Shared, None));
+        for words in ["--lanes 2", "--fraction 9", "--registers 19"] {
+            assert_eq!(with(words).unwrap().parameters().unwrap_err().exit_status(), 2, "{words}");
+        }
+        fs::write(&file, "columns = \"both\"\n").unwrap();
+        assert_eq!(with("").unwrap_err().exit_status(), 2);
+    }
+
+    #[test]
     fn the_last_of_proof_and_no_proof_counts() {
         assert!(!parse("--proof --no-proof").unwrap().settings().unwrap().proof);
         assert!(parse("--no-proof --proof").unwrap().settings().unwrap().proof);
@@ -446,7 +478,13 @@ mod tests {
 
     #[test]
     fn values_that_no_core_has_are_refused() {
-        for words in ["--max-level 11", "--registers 21", "--coordinates 12.12", "--output-fraction 32"] {
+        for words in [
+            "--max-level 11",
+            "--registers 21",
+            "--coordinates 12.12",
+            "--output-fraction 32",
+            "--columns both",
+        ] {
             assert_eq!(parse(words).unwrap_err().exit_code(), 2, "{words}");
         }
     }

@@ -12,10 +12,10 @@ use super::core;
 use super::dut::{Dut, Latency, Stimulus};
 use super::loop_traffic::Traffic;
 pub use super::loop_traffic::extra_fraction;
-use crate::cores::loop_fd::{HOP, LATER, Parameters, startup_depth};
+use crate::cores::loop_fd::{AHEAD, HOP, LATER, Parameters, startup_depth};
 use crate::error::{Error, Result};
 use crate::hdl::skew::LEAD;
-use crate::hdl::{Module, verilog};
+use crate::hdl::{Instance, Module, verilog};
 use crate::model::lane_clocks::Lanes;
 use crate::model::loop_fd_clocks;
 use crate::surface::assembly::Assembly;
@@ -193,19 +193,19 @@ impl LoopBench {
 /// The depths that the core declares.
 pub fn depths(core: &Module) -> loop_fd_clocks::Depths {
     let instance = |name: &str| core.instances.iter().find(|i| i.name == name);
-    let declared = |name: &str| -> Option<u32> {
-        core.parameters.iter().find(|(parameter, _)| parameter == name)?.1.parse().ok()
-    };
+    let declared = |name: &str| declared(core, name);
     let lanes = declared("lanes").map(|count| Lanes {
         count,
         digits: declared("digits").unwrap_or(1),
         waits: declared("waiting_patches") == Some(1),
+        buffered: instance("buffer").is_some(),
     });
     let engine = instance(if lanes.is_some() { "columns_x" } else { "engine_x" });
-    let engine = engine.and_then(|i| Some(i.module.latency(i.module.outputs.first()?)));
     // One lane sends its columns on their way after the outer differences.
-    let rounder =
-        engine.unwrap_or(0) + lanes.map_or(0, |lanes| HOP + if lanes.count == 1 { LATER } else { 0 });
+    let way = lanes.map_or(0, |lanes| HOP + if lanes.count == 1 { LATER } else { 0 });
+    let depth_of = |i: &Instance| Some(i.module.latency(i.module.outputs.first()?));
+    let buffer = instance("buffer").and_then(depth_of).map_or(0, |depth| depth - AHEAD);
+    let rounder = engine.and_then(depth_of).unwrap_or(0) + way + buffer;
     let fifo = instance("output_fifo").and_then(|i| i.module.memories.first()).map_or(1, |m| m.depth);
     // A patch is there with its last digit; the first one comes a clock behind the pulse that announces it.
     let startup = match lanes.map_or(1, |lanes| lanes.digits) {
@@ -215,8 +215,22 @@ pub fn depths(core: &Module) -> loop_fd_clocks::Depths {
     loop_fd_clocks::Depths { startup, rounder, fifo, lanes }
 }
 
-/// The core as a device under test, with the latency that its testbench asserts.
+/// From the last point of the first patch, of this level, to the first vertex.
+pub fn latency(core: &Module, level: u32) -> u64 {
+    loop_fd_clocks::run(&[level], depths(core), &[true], &[true]).latency
+}
+
+/// The core as a device under test, with the latency that its testbench asserts. Buffered columns fill their memory first,
+/// which takes longer the finer the patch is: of patches of several levels nothing is asserted but all clocks together.
 pub fn device(core: &Rc<Module>, files: &[verilog::SourceFile]) -> Dut {
-    let clocks = loop_fd_clocks::run(&[0], depths(core), &[true], &[true]);
-    core::device(core, files, Some(Latency { beat: 11, clocks: clocks.latency }))
+    let level = |name: &str| declared(core, name).unwrap_or(0);
+    let (coarsest, finest) = (level("min_level"), level("max_level"));
+    let known = coarsest == finest || depths(core).lanes.is_none_or(|lanes| !lanes.buffered);
+    let latency = known.then(|| Latency { beat: 11, clocks: latency(core, coarsest) });
+    core::device(core, files, latency)
+}
+
+/// A number that the core has among its parameters.
+fn declared(core: &Module, name: &str) -> Option<u32> {
+    core.parameters.iter().find(|(parameter, _)| parameter == name)?.1.parse().ok()
 }

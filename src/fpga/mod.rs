@@ -13,6 +13,7 @@
 //! carry is two LUTs. The units are counted in the tidied netlist by the names of the cells; a LUT between two units
 //! belongs to the one whose net gave it its name.
 
+mod block_outputs;
 mod cache;
 mod cell_models;
 mod device;

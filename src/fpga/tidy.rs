@@ -16,14 +16,15 @@
 //! cell more.
 //!
 //! Besides, [choices](super::fold) go into the cells of the adders before them, and [registers](super::fan_out) with many
-//! readers are copied; an inverter in front of [resets](super::resets) goes into the registers, and so does a gate with
-//! the reset. None of this changes a bit of what the circuit computes; the netlist that is simulated is the one
-//! after this step.
+//! readers are copied; [registers](super::block_outputs) behind a block RAM go into it; an inverter in front of
+//! [resets](super::resets) goes into the registers, and so does a gate with the reset. None of this changes a bit of what
+//! the circuit computes; the netlist that is simulated is the one after this step.
 
 use std::collections::BTreeMap;
 
 use serde_json::{Map, Value, json};
 
+use super::block_outputs::register_outputs;
 use super::device::Family;
 use super::fan_out::copy_registers;
 use super::fold::{absorb_operands, fold_choices, seal_chains};
@@ -33,6 +34,7 @@ use super::resets::{direct_resets, invert_resets};
 
 /// What was removed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(default)]
 pub struct Tidied {
     /// Carries that nobody reads, disconnected.
     pub unread_carries: u64,
@@ -50,6 +52,8 @@ pub struct Tidied {
     pub inverted_resets: u64,
     /// Registers that are reset themselves, not by a gate before them.
     pub direct_resets: u64,
+    /// Registers that went into the block RAMs before them.
+    pub registered_outputs: u64,
     /// Copies of registers with many readers.
     pub copied_registers: u64,
 }
@@ -69,6 +73,7 @@ pub fn tidy(family: Family, netlist: &mut Netlist) -> Tidied {
         tidied.shifted_chains += shift_chains(module);
         tidied.inverted_resets += invert_resets(module);
         tidied.direct_resets += direct_resets(module);
+        tidied.registered_outputs += register_outputs(module);
         tidied.copied_registers += copy_registers(module);
         tidied.parted_carries += part_carries(module);
     }

@@ -48,7 +48,7 @@ pub use expression::{Expr, Signal, Sum};
 pub use flat::Flat;
 pub use linear::LinearForms;
 pub use machine::StateMachine;
-pub use module::{Bus, Direction, Instance, Lane, Memory, MemoryWrite, Module, Output};
+pub use module::{Bus, Direction, Instance, Lane, MadeOf, Memory, MemoryWrite, Module, Output};
 pub use names::Allocator;
 pub use simulate::{Domain, Integers, Simulator};
 pub use state::MemoryHandle;

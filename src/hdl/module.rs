@@ -15,8 +15,19 @@ pub struct Memory {
     /// What it holds before the first clock; a memory that is never written is a ROM.
     pub contents: Vec<i128>,
     pub write: Option<MemoryWrite>,
-    /// To be made of lookup tables, not of block RAM.
-    pub distributed: bool,
+    pub made_of: MadeOf,
+    /// No word is read at the edge at which it is written; a simulator gives such a read an unset word.
+    pub apart: bool,
+}
+
+/// What synthesis makes a memory of.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum MadeOf {
+    /// As it likes.
+    #[default]
+    Any,
+    LookupTables,
+    BlockRam,
 }
 
 /// At a rising clock edge where `enable` is 1, `data` goes to `address`.

@@ -7,6 +7,7 @@
 use super::Word;
 use super::cell::{Bitwise, Cell, NodeId, Relation};
 use super::flat::Flat;
+use super::module::MemoryWrite;
 use crate::error::{Error, Result};
 use crate::fixed::Range;
 
@@ -142,6 +143,7 @@ impl<D: Domain> Simulator<D> {
             }
             let taken = match &node.cell {
                 Cell::MemoryRead { memory, .. } => match self.integer(value, id) {
+                    Ok(address) if self.collides(*memory, address) => None,
                     Ok(address) => self.memories[*memory].get(address as usize).cloned(),
                     Err(_) if reset => None,
                     Err(error) => return Err(error),
@@ -152,10 +154,7 @@ impl<D: Domain> Simulator<D> {
         }
         for (index, memory) in self.flat.memories.iter().enumerate() {
             let Some(write) = &memory.write else { continue };
-            let target = self.enabled(Some(write.enable), write.data).and_then(|enabled| {
-                if enabled { self.integer(write.address, write.data).map(Some) } else { Ok(None) }
-            });
-            let target = match target {
+            let target = match self.written(write) {
                 Ok(target) => target,
                 Err(_) if reset => None,
                 Err(error) => return Err(error),
@@ -169,6 +168,19 @@ impl<D: Domain> Simulator<D> {
         }
         self.next = next;
         Ok(())
+    }
+
+    /// The address at which a memory takes a word at the next edge.
+    fn written(&self, write: &MemoryWrite) -> Result<Option<i128>> {
+        let enabled = self.enabled(Some(write.enable), write.data)?;
+        if enabled { self.integer(write.address, write.data).map(Some) } else { Ok(None) }
+    }
+
+    /// Whether the word of a memory is written at the next edge, where reads and writes should be apart.
+    fn collides(&self, memory: usize, address: i128) -> bool {
+        let memory = &self.flat.memories[memory];
+        let write = memory.write.as_ref().filter(|_| memory.apart);
+        write.is_some_and(|write| matches!(self.written(write), Ok(Some(written)) if written == address))
     }
 
     fn enabled(&self, enable: Option<NodeId>, of: NodeId) -> Result<bool> {

@@ -2,7 +2,7 @@
 
 use super::cell::{Cell, NodeId};
 use super::expression::{Expr, Signal, Sum};
-use super::module::{Memory, MemoryWrite};
+use super::module::{MadeOf, Memory, MemoryWrite};
 use super::{Builder, Word};
 use crate::error::Error;
 use crate::fixed::Range;
@@ -273,7 +273,8 @@ impl Builder {
                     .help("give it more or wider words")
             });
         }
-        let memory = Memory { name: name.into(), depth, word, contents, write: None, distributed: false };
+        let (name, made_of, write, apart) = (name.into(), MadeOf::Any, None, false);
+        let memory = Memory { name, depth, word, contents, write, made_of, apart };
         MemoryHandle { index: self.add_memory(memory), word, builder: self.clone() }
     }
 }
@@ -294,7 +295,20 @@ pub struct MemoryHandle {
 impl MemoryHandle {
     /// The same memory made of lookup tables: a block RAM is slower to read.
     pub fn distributed(self) -> Self {
-        self.builder.0.borrow_mut().module.memories[self.index].distributed = true;
+        self.builder.0.borrow_mut().module.memories[self.index].made_of = MadeOf::LookupTables;
+        self
+    }
+
+    /// The same memory made of block RAM, however small it is.
+    pub fn block(self) -> Self {
+        self.builder.0.borrow_mut().module.memories[self.index].made_of = MadeOf::BlockRam;
+        self
+    }
+
+    /// States that no word is read at the edge at which it is written: the cells that would give the old one are spared.
+    /// Where it is not so, the word that is read is unset: the proof fails if anything depends on it.
+    pub fn apart(self) -> Self {
+        self.builder.0.borrow_mut().module.memories[self.index].apart = true;
         self
     }
 

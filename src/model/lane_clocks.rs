@@ -11,6 +11,8 @@ pub struct Lanes {
     pub digits: u32,
     /// Whether a patch may wait while another one runs.
     pub waits: bool,
+    /// Whether a pass in front of the strips fills a buffer with the first column.
+    pub buffered: bool,
 }
 
 impl Lanes {

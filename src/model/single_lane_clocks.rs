@@ -17,6 +17,9 @@ pub(super) struct SingleControl {
     /// The clock from which on the outer differences may turn again.
     turned: u64,
     running: bool,
+    /// Buffered: the next pass is the one that fills the buffer; this one is, and sends nothing.
+    first: bool,
+    fills: bool,
     /// Rows to come in this strip, behind the one that is sent.
     rows: u64,
 }
@@ -32,12 +35,14 @@ impl SingleControl {
             drained: false,
             turned: 0,
             running: false,
+            first: false,
+            fills: false,
             rows: 0,
         }
     }
 
     pub fn issues(&self, has_room: bool) -> bool {
-        self.running && has_room
+        self.running && has_room && !self.fills
     }
 
     pub fn clock(&mut self, now: u64, has_room: bool, waiting: Option<u32>) -> Told {
@@ -45,7 +50,8 @@ impl SingleControl {
         let load = waiting.filter(|_| vacant);
         let free = !running || (has_room && rows == 0);
         let fire = prepared && free;
-        let drains = fire && pairs == 1;
+        let last = pairs == 1 && !self.first;
+        let drains = fire && last;
         let released = if lanes.waits { load.is_some() } else { drained && vacant };
         let turning = now < self.turned;
 
@@ -57,12 +63,15 @@ impl SingleControl {
             self.running = prepared;
         }
         if fire {
-            (self.rows, self.pairs) = (pairs, pairs - 1);
+            // The pass that fills the buffer has the rows of the first strip.
+            (self.rows, self.pairs) = (pairs, pairs - u64::from(!self.first));
+            (self.fills, self.first) = (self.first, false);
         } else if running && has_room && rows > 0 {
             self.rows -= 1;
         }
         if let Some(level) = load {
             self.pairs = 1 << level;
+            self.first = lanes.buffered;
         }
         if fire || (lanes.waits && load.is_some()) {
             // What is decided from the end of the turn comes a clock behind it.

@@ -6,21 +6,22 @@ use serde_json::{Value, json};
 
 use super::{Draft, Package, assemble};
 use crate::cores::loop_fd::proof::{Proof, prove};
-use crate::cores::loop_fd::{Parameters, RegisterForm, build, words};
+use crate::cores::loop_fd::{Columns, Parameters, RegisterForm, build, words};
 use crate::cosim::Beat;
 use crate::cosim::loop_bench::{self, LoopBench, extra_fraction};
 use crate::cosim::loop_trial::{LoopTrial, Packet};
 use crate::error::{Error, Kind, Result};
 use crate::fixed::{Precision, Reduced, Rounding};
 use crate::hdl::{Module, verilog};
-use crate::model::loop_fd_clocks::{self, Depths};
+use crate::model::loop_fd_clocks;
 use crate::surface::control_mesh::ControlMesh;
 use crate::surface::precision::{of_patch, total_lsb};
 
 /// The command that generates the core with these parameters.
 pub fn command(parameters: Parameters) -> String {
-    let Parameters { coordinates, output_fraction, max_level, min_level, registers, precision, chunk, lanes } =
+    let Parameters { coordinates, output_fraction, max_level, min_level, registers, precision, .. } =
         parameters;
+    let Parameters { chunk, lanes, columns, .. } = parameters;
     let mut command = format!(
         "subdiv-rtl generate loop-fd --coordinates {coordinates} --output-fraction {output_fraction} --max-level {max_level} --registers {registers}"
     );
@@ -32,6 +33,9 @@ pub fn command(parameters: Parameters) -> String {
     }
     if let Some(lanes) = lanes {
         command += &format!(" --lanes {lanes}");
+    }
+    if columns != Columns::Shared {
+        command += &format!(" --columns {columns}");
     }
     if let Some(Reduced { fractions, rounding, saturate }) = precision.reduced() {
         let option = if fractions.is_uniform() { "fraction" } else { "fractions" };
@@ -53,15 +57,14 @@ pub fn package(parameters: Parameters, prove_it: bool) -> Result<Package> {
     let dut = loop_bench::device(&core, &sources);
     let (input, expected) = sample(&core, parameters)?;
 
-    let depths = loop_bench::depths(&core);
-    let first = loop_fd_clocks::run(&[parameters.min_level], depths, &[true], &[true]).latency;
+    let first = loop_bench::latency(&core, parameters.min_level);
     let draft = Draft {
         core: "loop-fd",
         purpose: "Forward-difference engine for Loop subdivision surfaces",
         command,
         parameters: parameters_json(parameters),
         streams: streams(parameters),
-        latency: latency(depths, first),
+        latency: latency(&core, parameters, first),
         first: (first, "the last point of a patch to its first vertex"),
         initiation_interval: initiation_interval(&core, parameters),
         proofs: proofs(proof.as_ref(), parameters),
@@ -107,6 +110,7 @@ fn parameters_json(parameters: Parameters) -> Value {
     }
     if let Some(lanes) = parameters.lanes {
         object["lanes"] = json!(lanes);
+        object["columns"] = json!(parameters.columns.to_string());
     }
     if let Some(reduced) = parameters.precision.reduced() {
         let width = |m: u32| words::difference(parameters, reduced, (m - m / 4, m / 4)).width();
@@ -165,12 +169,20 @@ fn streams(parameters: Parameters) -> Value {
     })
 }
 
-fn latency(depths: Depths, first: u64) -> Value {
-    json!({
+fn latency(core: &Rc<Module>, parameters: Parameters, first: u64) -> Value {
+    let depths = loop_bench::depths(core);
+    let mut object = json!({
         "first_vertex_after_last_point": first,
         "startup": depths.startup,
         "rounding": depths.rounder,
-    })
+    });
+    if parameters.columns == Columns::Buffered {
+        // The first column of a patch is kept before a vertex is sent.
+        let levels = (parameters.min_level..=parameters.max_level)
+            .map(|level| json!({ "level": level, "clocks": loop_bench::latency(core, level) }));
+        object["first_vertex_of_levels"] = levels.collect();
+    }
+    object
 }
 
 fn initiation_interval(core: &Rc<Module>, parameters: Parameters) -> Value {

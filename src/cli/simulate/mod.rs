@@ -8,6 +8,7 @@ mod result;
 mod run;
 mod strip_picture;
 mod strips;
+mod targets;
 
 pub use names::{Colour, FamilyName, Scheme, SimulatorName};
 pub use run::is_mismatch;
@@ -17,17 +18,14 @@ use super::{
     strip_options::{StripOutput, StripUnits},
     values::{FINEST_LEVEL, Numbers, Registers, USUAL_MAX_LEVEL},
 };
-use crate::cores::loop_fd::Parameters;
+use crate::cores::loop_fd::{Columns, Parameters};
 use crate::{
     cosim::Stall,
     error::{Error, Result},
     fixed::{Format, Precision, Rounding},
 };
-use std::{
-    ffi::OsStr,
-    path::{Path, PathBuf},
-    time::Duration,
-};
+use std::{path::PathBuf, time::Duration};
+use targets::{in_a_folder, named};
 
 /// Evaluate a mesh's subdivision surface in simulated hardware and check every bit of it
 ///
@@ -116,6 +114,11 @@ pub struct Core {
     /// Compute this many neighbouring strips at once, from columns that they share (Loop)
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=Parameters::MOST_LANES as i64))]
     pub lanes: Option<u32>,
+
+    /// Where the columns of a strip come from: shared (both run) or buffered (one runs, a memory keeps the one before; of
+    /// one lane) (Loop)
+    #[arg(long, value_name = "FORM", default_value_t)]
+    pub columns: Columns,
 
     #[command(flatten)]
     pub numbers: Numbers,
@@ -215,6 +218,7 @@ pub struct Settings {
     pub chunk: Option<u32>,
     /// Strips at once.
     pub lanes: Option<u32>,
+    pub columns: Columns,
     pub precision: Precision,
     /// Guard bits of the strip core; nothing: exact.
     pub guard: Option<u32>,
@@ -331,6 +335,7 @@ impl Args {
             registers: self.core.registers,
             chunk: self.core.chunk,
             lanes: self.core.lanes,
+            columns: self.core.columns,
             precision,
             guard: self.core.guard,
             strip_levels: self.core.max_level,
@@ -374,29 +379,6 @@ fn simulators(names: &[SimulatorName], netlist: bool) -> Result<Simulators> {
     wanted.sort();
     wanted.dedup();
     Ok(Simulators::Named(wanted))
-}
-
-/// Refuses a file in a folder that does not exist: better now than after the work.
-fn in_a_folder(file: &Path) -> Result<()> {
-    let folder = file.parent().filter(|folder| !folder.as_os_str().is_empty());
-    match folder {
-        Some(folder) if !folder.is_dir() => Err(Error::usage("there is no such folder")
-            .at(folder.display())
-            .help(format!("make it (mkdir -p {}), or write elsewhere", folder.display()))),
-        _ => Ok(()),
-    }
-}
-
-/// Refuses a file whose ending says that it cannot be written.
-fn named(file: Option<&Path>, what: &str, endings: &[&str]) -> Result<()> {
-    let Some(file) = file else { return Ok(()) };
-    let ending = file.extension().and_then(OsStr::to_str).unwrap_or_default().to_ascii_lowercase();
-    if endings.contains(&ending.as_str()) {
-        return Ok(());
-    }
-    let endings: Vec<String> = endings.iter().map(|ending| format!(".{ending}")).collect();
-    Err(Error::usage(format!("no {what} is written to '{}'", file.display()))
-        .help(format!("give a file that ends in {}", endings.join(" or "))))
 }
 
 #[cfg(test)]

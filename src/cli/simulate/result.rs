@@ -94,6 +94,7 @@ fn object(found: &Found) -> Value {
         "registers": found.parameters.registers.count(),
         "chunk": found.parameters.chunk,
         "lanes": found.parameters.lanes,
+        "columns": found.parameters.columns.to_string(),
         "differences": found.parameters.precision.to_string(),
         "patches": {
             "regular": counts.regular,
@@ -165,11 +166,12 @@ fn text(found: &Found, verdict: &Verdict) -> String {
         Precision::Exact => format!("{}-bit differences", p.modulus()),
         reduced => format!("differences of {reduced} fraction bits"),
     };
-    let lanes = p.lanes.map_or(String::new(), |count| format!(", lanes: {count}"));
+    let lanes = p.lanes.map_or(String::new(), |count| format!(", lanes: {count}, {} columns", p.columns));
     let chunks = p.chunk.map_or(String::new(), |bits| format!(" in chunks of {bits} bits"));
     let core = format!(
         "loop-fd up to level {}, {} registers, {differences}{chunks}{lanes}",
-        p.max_level, p.registers
+        p.max_level,
+        p.register_count()
     );
     facts.row(["core", &core]);
     if let Some(netlist) = found.netlist {

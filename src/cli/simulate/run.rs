@@ -45,7 +45,8 @@ pub fn run(settings: &Settings) -> Result<()> {
             .with_min_level(settings.min_level)?
             .with_precision(settings.precision)?
             .with_chunk(settings.chunk)?
-            .with_lanes(settings.lanes)?;
+            .with_lanes(settings.lanes)?
+            .with_columns(settings.columns)?;
     let core = build(parameters)?;
     let mut bench = LoopBench::new(&core, parameters, &control, settings.level)?;
     let Runs { outcomes, netlist } = simulate(settings, &core, parameters, &mut bench)?;

@@ -23,6 +23,10 @@
 //! **Lanes**, where [`Parameters::lanes`] asks for K of them: for every Kth strip i the vertices p(i,j) ... p(i+K,j) in a
 //! beat, j = 0 .. 2^rho - i, as far as they exist (`tkeep`); `tlast` where j ends.
 //!
+//! **Columns**: both columns of a strip run, so that a vertex of an inner column is computed twice; or, where
+//! [`Columns::Buffered`] asks for it, one runs and a memory keeps its vertices for the next strip. The beats are those of
+//! one lane.
+//!
 //! **Numbers**: all differences are integers over the common denominator, kept modulo 2^B with
 //! B = W + 4R + 4. The basis is non-negative with sum 1, so every vertex fits B bits, and a linear
 //! recurrence modulo 2^B gives it exactly whatever the other registers do. The only rounding is the last.
@@ -45,6 +49,7 @@ pub mod words;
 
 use std::fmt;
 use std::rc::Rc;
+use std::str::FromStr;
 
 use crate::cores::rounder;
 use crate::error::{Error, Result};
@@ -52,7 +57,7 @@ use crate::fixed::{Format, Precision, Range, Rounding};
 use crate::hdl::{Module, Word};
 
 pub use engine::DIFFERENCES;
-pub use lanes::{HOP, LATER};
+pub use lanes::{AHEAD, HOP, LATER};
 
 /// How the differences are kept.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -96,6 +101,39 @@ impl fmt::Display for RegisterForm {
     }
 }
 
+/// Where the two columns of a strip come from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Columns {
+    /// Both run: the vertices of an inner column are computed twice, or shared by lanes.
+    #[default]
+    Shared,
+    /// One runs, and the one before it comes out of a memory: every vertex is computed once.
+    Buffered,
+}
+
+impl Columns {
+    pub const ALL: [Columns; 2] = [Columns::Shared, Columns::Buffered];
+}
+
+impl fmt::Display for Columns {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Columns::Shared => "shared",
+            Columns::Buffered => "buffered",
+        })
+    }
+}
+
+impl FromStr for Columns {
+    type Err = Error;
+
+    fn from_str(text: &str) -> Result<Self> {
+        Self::ALL.into_iter().find(|columns| columns.to_string() == text).ok_or_else(|| {
+            Error::usage(format!("no such form of columns: '{text}'")).help("choose shared or buffered")
+        })
+    }
+}
+
 /// What a `loop-fd` is generated for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Parameters {
@@ -115,6 +153,8 @@ pub struct Parameters {
     /// as digits where there are chunks; without, each strip has two columns of its own, and the outer differences step
     /// in a clock.
     pub lanes: Option<u32>,
+    /// Where the columns of a strip come from; buffered, of one lane.
+    pub columns: Columns,
 }
 
 impl Parameters {
@@ -141,6 +181,7 @@ impl Parameters {
             precision,
             chunk: None,
             lanes: None,
+            columns: Columns::Shared,
         };
         if max_level > Self::HIGHEST_LEVEL {
             return Err(Error::usage(format!("maximum level {max_level} is above {}", Self::HIGHEST_LEVEL))
@@ -221,10 +262,10 @@ impl Parameters {
     /// The same core with so many neighbouring strips at once.
     ///
     /// # Errors
-    /// No lane, or too many; reduced numbers, and register forms of which lanes have none.
+    /// No lane, or too many; reduced numbers, and register forms of which lanes have none; several with buffered columns.
     pub fn with_lanes(self, lanes: impl Into<Option<u32>>) -> Result<Self> {
         let lanes = lanes.into();
-        let Some(count) = lanes else { return Ok(Parameters { lanes, ..self }) };
+        let Some(count) = lanes else { return Parameters { lanes, ..self }.with_columns(self.columns) };
         if !(1..=Self::MOST_LANES).contains(&count) {
             return Err(Error::usage(format!("{count} lanes"))
                 .help(format!("choose 1 to {} lanes", Self::MOST_LANES)));
@@ -236,7 +277,45 @@ impl Parameters {
             return Err(Error::usage(format!("lanes with {} registers", self.registers))
                 .help("use --registers 20: neighbouring lanes share their columns"));
         }
-        Ok(Parameters { lanes, ..self })
+        Parameters { lanes, ..self }.with_columns(self.columns)
+    }
+
+    /// The same core with the columns of its strips from there. Buffered, it has one lane, said or not.
+    ///
+    /// # Errors
+    /// Buffered columns of several lanes, of reduced numbers, or with a register form of which lanes have none.
+    pub fn with_columns(self, columns: Columns) -> Result<Self> {
+        if columns == Columns::Shared {
+            return Ok(Parameters { columns, ..self });
+        }
+        if let Some(count) = self.lanes.filter(|&count| count != 1) {
+            return Err(Error::usage(format!("buffered columns with {count} lanes")).help(
+                "leave out --lanes, or --columns buffered: the buffer holds one column, which serves one strip",
+            ));
+        }
+        if self.precision != Precision::Exact {
+            return Err(Error::usage("buffered columns of reduced numbers")
+                .help("leave out --columns buffered, or the fractions"));
+        }
+        if self.registers != RegisterForm::Minimal20 {
+            return Err(Error::usage(format!("buffered columns with {} registers", self.registers))
+                .help("use --registers 20: of its two columns, the buffer replaces one"));
+        }
+        Ok(Parameters { columns, lanes: Some(1), ..self })
+    }
+
+    /// Whether the column before the one that runs comes out of a memory.
+    fn is_buffered(self) -> bool {
+        self.columns == Columns::Buffered
+    }
+
+    /// Differences that a coordinate keeps: 12 that walk from column to column, and 4 of each column that runs.
+    pub fn register_count(self) -> u32 {
+        match (self.lanes, self.columns) {
+            (None, _) => self.registers.count(),
+            (Some(_), Columns::Buffered) => 16,
+            (Some(lanes), Columns::Shared) => 12 + 4 * (lanes + 1),
+        }
     }
 
     /// Bits of a digit of the outer differences of lanes, where they have several.

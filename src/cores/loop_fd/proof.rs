@@ -185,6 +185,8 @@ fn run(flat: Flat, parameters: Parameters, dropped_carry: Option<(NodeId, u32)>)
         patches.iter().enumerate().flat_map(|(index, patch)| beats(index, patch, parameters)).peekable();
     let (mut offered, mut coordinates, mut quiet, mut error) = (sent.next(), 0, 0, None);
 
+    // A buffered column fills its memory before the first beat of a patch.
+    let patience = 1000 + (1u64 << parameters.max_level);
     run.edge(true)?;
     while expected.peek().is_some() {
         run.offer(offered);
@@ -195,7 +197,7 @@ fn run(flat: Flat, parameters: Parameters, dropped_carry: Option<(NodeId, u32)>)
             quiet = 0;
         }
         quiet += 1;
-        if quiet > 1000 {
+        if quiet > patience {
             return Err(refuted(format!("no output for {quiet} clocks")));
         }
         if run.flag("s_axis_tready")? && offered.is_some() {

@@ -16,7 +16,7 @@ use super::kept::Kept;
 use super::paths::{Path, longest};
 use super::sums::Adder;
 use crate::error::Result;
-use crate::hdl::{Cell, Flat, Module, NodeId};
+use crate::hdl::{Cell, Flat, MadeOf, Memory, Module, NodeId};
 
 /// Memories up to this depth are made of LUTs, deeper ones are block RAM.
 const LUT_MEMORY_DEPTH: u32 = 64;
@@ -65,7 +65,12 @@ impl Features {
             }
         }
         features.fan_out = steered.into_iter().max().unwrap_or(0);
-        for memory in flat.memories.iter().filter(|m| m.distributed || m.depth <= LUT_MEMORY_DEPTH) {
+        let in_luts = |memory: &&Memory| match memory.made_of {
+            MadeOf::Any => memory.depth <= LUT_MEMORY_DEPTH,
+            MadeOf::LookupTables => true,
+            MadeOf::BlockRam => false,
+        };
+        for memory in flat.memories.iter().filter(in_luts) {
             let words = memory.depth.div_ceil(16);
             features.load.memory += f64::from(words * memory.word.width());
         }

@@ -9,7 +9,7 @@ use super::text::{Printer, literal, unwrapped};
 use crate::hdl::Word;
 use crate::hdl::cell::{Bitwise, Cell, NodeId};
 use crate::hdl::live::Live;
-use crate::hdl::module::{Direction, Memory, Module, Output};
+use crate::hdl::module::{Direction, MadeOf, Memory, Module, Output};
 
 /// `[59:0] ` and its sign, padded so that names stand below each other.
 fn shape(word: Word) -> String {
@@ -196,9 +196,14 @@ impl Body<'_> {
         }
         for (memory, _) in self.live_memories() {
             let (word, last) = (memory.word, memory.depth - 1);
-            let style = if memory.distributed { "(* ram_style = \"distributed\" *) " } else { "" };
+            let style = match memory.made_of {
+                MadeOf::Any => "",
+                MadeOf::LookupTables => "(* ram_style = \"distributed\" *) ",
+                MadeOf::BlockRam => "(* ram_style = \"block\" *) ",
+            };
+            let apart = if memory.apart { "(* no_rw_check *) " } else { "" };
             lines.push(format!(
-                "{style}reg  {}{} [0:{last}]; // {} words of {word}",
+                "{style}{apart}reg  {}{} [0:{last}]; // {} words of {word}",
                 shape(word),
                 memory.name,
                 memory.depth

@@ -16,15 +16,25 @@
 //! One lane does without heads that wait: the columns take them as they come. For large patches alone it also does
 //! without differences that wait, see [`Parameters::differences_wait`](super::Parameters).
 //!
+//! Buffered, one lane has one column that runs, and a memory of the rounded vertices of the column before:
+//!
+//! ```text
+//!   pass 0       p(0,j), j = 0 .. n                                          into the memory, nothing is sent
+//!   pass k       p(k-1,j) out of it, p(k,j) sent beside and put in its place, j = 0 .. n - k
+//!                p(k-1,n-k+1) out of it, alone                               the last beat of strip k - 1
+//! ```
+//!
 //! A vertex is a numerator over 3 * 2^s, rounded. Half a unit for the rounding is added once, to the first difference of
 //! the patch: the basis sums to 1, so that every vertex has it.
 
+mod buffer;
 mod columns;
 mod control;
 mod outer;
 mod single;
 mod top;
 
+pub use buffer::AHEAD;
 pub use single::LATER;
 pub use top::HOP;
 pub(super) use top::build;

@@ -30,7 +30,7 @@ fn higher((k, l): (u32, u32)) -> Option<((u32, u32), u32)> {
 /// Inputs: `n..` are taken at `capture` and wait; `load` moves them into the outer differences; `advance` steps these
 /// to the next column. Where they do not wait, `capture` loads. A clock later, `last_l` are the differences D0l of the
 /// column before, `next_l` those of the
-/// next one, and `fourth` is D13.
+/// next one, which a buffered lane does without, and `fourth` is D13.
 ///
 /// In digits, `turn` comes a clock ([`LEAD`]) before the first one of a load or an advance. As early, through all digits,
 /// come `waiting_turns` (one is captured or loaded), `outer_turns` (one is loaded or advanced) and `loading` (which of the
@@ -75,7 +75,9 @@ fn whole(m: &Builder, parameters: Parameters) {
         let last = m.register(format!("last_{l}"), d.word());
         m.on(&advance, &last, d);
         m.output(format!("last_{l}"), &last);
-        m.output(format!("next_{l}"), d);
+        if !parameters.is_buffered() {
+            m.output(format!("next_{l}"), d);
+        }
     }
     m.output("fourth", &outer[&(1, 3)]);
 }
@@ -129,8 +131,10 @@ fn in_digits(m: &Builder, parameters: Parameters, size: u32) {
     }
     for l in 0..4 {
         m.output(format!("last_{l}"), m.pipe(format!("last_{l}"), &first[&(0, l)]));
-        // The sum, a clock after its digits.
-        m.output(format!("next_{l}"), m.restart(&last[&(0, l)], LEAD + 1));
+        if !parameters.is_buffered() {
+            // The sum, a clock after its digits.
+            m.output(format!("next_{l}"), m.restart(&last[&(0, l)], LEAD + 1));
+        }
     }
     m.output("fourth", m.pipe("fourth", &first[&(1, 3)]));
 }

@@ -6,6 +6,9 @@
 //!
 //! A load and a fire take as many clocks as a number has digits, less than most strips have rows. All that decides a
 //! row stands in registers: whether the next strip is prepared, whether rows run, and whether another one follows.
+//!
+//! Buffered, a pass in front of the strips fills the memory with the first column. It has as many rows as the first strip,
+//! and sends none of them.
 
 use std::rc::Rc;
 
@@ -20,7 +23,8 @@ pub const LATER: u32 = 2;
 /// Inputs: `waiting` (a patch is ready, of `level`), `has_room` (a beat may be issued). Outputs, out of registers: `load`
 /// (the patch is no longer waiting), `released` (another one may come), `advance` for the outer differences, and `issue`
 /// for the FIFO; and [`LATER`] `strip`, `step`, and for the beat that leaves `valid`, `keep_1` (it has
-/// a second vertex), `strip_end`, `patch_start`, `patch_end`.
+/// a second vertex), `strip_end`, `patch_start`, `patch_end`. Buffered, also `row` (one runs, whether sent or not) and
+/// `makes` (it has a vertex of the column that runs).
 pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
     let m = Builder::new("lane_control");
     m.purpose("Steps from strip to strip, and counts the rows of the one that runs.");
@@ -47,12 +51,27 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
     let pairs: Vec<Signal> = (0..=parameters.max_level).rev().map(|l| m.is(&level, l.into())).collect();
     let pairs = m.concat(&pairs.iter().collect::<Vec<_>>());
     m.on(&load, &ahead, m.wrap(&pairs - 2, word));
-    m.on(&fire, &ahead, m.wrap(&ahead - 1, word));
+    // Buffered, the pass to come fills the memory, or this one does; the strip after it has as many pairs.
+    let filling =
+        parameters.is_buffered().then(|| ["empty", "fills"].map(|name| m.register(name, Word::bit())));
+    if let Some([empty, fills]) = &filling {
+        m.on(&load, empty, m.bit(true));
+        m.on(&fire, empty, m.bit(false));
+        m.on(&fire, fills, empty);
+    }
+    let passes_on = match &filling {
+        Some([empty, _]) => m.wire("passes_on", &fire & &!empty),
+        None => fire.clone(),
+    };
+    m.on(&passes_on, &ahead, m.wrap(&ahead - 1, word));
     let less = m.wire("left_less_1", m.wrap(&left - 1, word));
     m.on(&moves, &left, m.select(&climbs, &less, &ahead));
     // Every strip has a pair.
     m.on(&moves, &climbs, !&(&climbs & &sign(&left)));
-    let last = m.wire("prepares_last", sign(&ahead));
+    let last = match &filling {
+        Some([empty, _]) => m.wire("prepares_last", &sign(&ahead) & &!empty),
+        None => m.wire("prepares_last", sign(&ahead)),
+    };
     let drains = m.wire("drains", &fire & &last);
     m.on(&load, &owned, m.bit(true));
     m.on(&drains, &owned, m.bit(false));
@@ -67,7 +86,7 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
     let [first, fresh, last_strip] =
         ["first_strip", "fresh", "last_strip"].map(|name| m.register(name, Word::bit()));
     m.on(&load, &first, m.bit(true));
-    m.on(&fire, &first, m.bit(false));
+    m.on(&fire, &first, filling.as_ref().map_or(m.bit(false), |[empty, _]| empty.clone()));
     m.on(&m.wire("begins_row", &fire | &valid), &fresh, &first & &!&climbs);
     m.on(&fire, &last_strip, &last);
 
@@ -82,7 +101,11 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
         m.on(&release, &drained, m.bit(false));
         release
     };
-    let issue = registered("issue", &valid);
+    let sends = match &filling {
+        Some([_, fills]) => m.wire("sends", &valid & &!fills),
+        None => valid.clone(),
+    };
+    let issue = registered("issue", &sends);
     for (name, now) in [("load", registered("load", &load)), ("released", registered("released", &released))]
     {
         m.output(name, &now);
@@ -93,6 +116,10 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
     m.output("strip", later(&advance));
     m.output("step", later(&registered("step", &step)));
     m.output("valid", later(&issue));
+    if let Some([_, fills]) = &filling {
+        m.output("row", later(&registered("row", &valid)));
+        m.output("makes", later(&registered("makes", &m.wire("makes_now", &valid & &(&climbs | fills)))));
+    }
     let strip_end = m.wire("strip_end_now", !&climbs);
     let patch_end = m.wire("patch_end_now", &strip_end & &last_strip);
     let flags =

@@ -4,7 +4,7 @@ use std::rc::Rc;
 
 use super::super::top::{Arrivals, Flags, arrivals, stream_out};
 use super::super::{AXES, Parameters};
-use super::{columns, control, outer, single};
+use super::{AHEAD, buffer, columns, control, outer, single};
 use crate::error::Result;
 use crate::hdl::serial::following;
 use crate::hdl::skew::{LEAD, SkewedPorts, skew};
@@ -44,6 +44,9 @@ pub fn build(parameters: Parameters, lanes: u32) -> Result<Rc<Module>> {
     );
     m.purpose("triangle strips out, a row of all at once, each the exact limit point correctly rounded.");
     m.parameter("lanes", lanes);
+    if parameters.is_buffered() {
+        m.parameter("columns", parameters.columns);
+    }
     m.parameter("digits", parameters.digits());
     m.parameter("waiting_patches", u32::from(parameters.differences_wait()));
     let Arrivals { captures, differences, waiting, taken, released, level } = arrivals(&m, parameters)?;
@@ -65,9 +68,15 @@ pub fn build(parameters: Parameters, lanes: u32) -> Result<Rc<Module>> {
     let keeps = named((1..=lanes).map(|k| format!("keep_{k}")).collect());
     let takes = if lanes == 1 { 0 } else { lanes };
     let mut rows = named((0..takes).map(|k| format!("take_{k}")).collect());
-    rows.extend(named(["strip", "step", "valid"].map(String::from).to_vec()));
-    rows.extend(keeps.iter().cloned());
+    rows.extend(named(["strip", "step"].map(String::from).to_vec()));
     let beat = registered("valid");
+    let buffered = parameters.is_buffered();
+    if buffered {
+        rows.push(("valid".into(), registered("makes")));
+    } else {
+        rows.push(("valid".into(), beat.clone()));
+        rows.extend(keeps.iter().cloned());
+    }
     let issue = if lanes == 1 { registered("issue") } else { beat.clone() };
 
     // Digits come a clock behind what is said of them.
@@ -131,17 +140,23 @@ pub fn build(parameters: Parameters, lanes: u32) -> Result<Rc<Module>> {
             };
             (name, m.restart(&number, HOP + lead))
         };
-        let orders = (0..4).flat_map(|l| ["last", "next"].map(|side| (format!("{side}_{l}"), (0, l))));
+        let sides: &[&str] = if buffered { &["last"] } else { &["last", "next"] };
+        let orders = (0..4).flat_map(|l| sides.iter().map(move |side| (format!("{side}_{l}"), (0, l))));
         let orders = orders.chain([("fourth".into(), (1, 3))]);
         let heads: Vec<(String, Signal)> =
             orders.map(|(name, kl)| head(name, parameters.difference(kl))).collect();
         let rows = nearer(&mut rows.iter());
         let inputs = rows.iter().chain(&heads).map(|(name, signal)| (name.as_str(), signal));
         let placed = m.instance(&format!("columns_{axis}"), &columns, &inputs.collect::<Vec<_>>());
-        vertices.push((0..=lanes).map(|k| placed.out(&format!("v{k}"))).collect());
+        let columns = if buffered { 0..=0 } else { 0..=lanes };
+        vertices.push(columns.map(|k| placed.out(&format!("v{k}"))).collect());
     }
-    let vertices: Vec<[Signal; 3]> =
-        (0..=lanes as usize).map(|k| [0, 1, 2].map(|axis: usize| vertices[axis][k].clone())).collect();
+    let mut vertices: Vec<[Signal; 3]> =
+        (0..vertices[0].len()).map(|k| [0, 1, 2].map(|axis: usize| vertices[axis][k].clone())).collect();
+    if buffered {
+        let said = ["row", "strip_end"].map(registered);
+        vertices = beside_the_column_before(&m, parameters, &vertices[0], said)?.to_vec();
+    }
     let names: Vec<String> = (0..=lanes).map(|k| format!("v{k}")).collect();
     let [last, start, end] = ["strip_end", "patch_start", "patch_end"].map(registered);
     let keeps = keeps.into_iter().map(|(_, keep)| keep).collect();
@@ -149,4 +164,21 @@ pub fn build(parameters: Parameters, lanes: u32) -> Result<Rc<Module>> {
     let room = stream_out(&m, parameters, &names, &vertices, [&issue, &beat], flags)?;
     m.drive(&has_room, &room);
     m.finish()
+}
+
+/// The vertices that leave the column, and in front of them those of the column before. Of a row is said, when it is decided
+/// on, that it runs, and whether it is the last one of its pass.
+fn beside_the_column_before(
+    m: &Builder,
+    parameters: Parameters,
+    made: &[Signal; 3],
+    [row, ends]: [Signal; 2],
+) -> Result<[[Signal; 3]; 2]> {
+    let ahead = made[0].time().unwrap_or(0) - AHEAD;
+    let (row, ends) = (m.delay_reset(&row, ahead, 0), m.delay(&ends, ahead));
+    let names = AXES.map(|axis| format!("made_{axis}"));
+    let mut inputs = vec![("row", &row), ("ends", &ends)];
+    inputs.extend(names.iter().map(String::as_str).zip(made));
+    let placed = m.instance("buffer", &buffer::build(parameters, made[0].word())?, &inputs);
+    Ok(["left", "right"].map(|side| AXES.map(|axis| placed.out(&format!("{side}_{axis}")))))
 }
