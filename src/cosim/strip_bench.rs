@@ -10,7 +10,7 @@ use std::rc::Rc;
 use super::core::port;
 use super::strip_lanes::Lanes;
 use crate::cores::cc_strip::buffer::{MIDDLE, WRITTEN};
-use crate::cores::cc_strip::buffered::{LEAVES, ROUNDING};
+use crate::cores::cc_strip::buffered::{LEAVES, rounding};
 use crate::cores::cc_strip::control::WALKS;
 use crate::cores::cc_strip::finish::Kind;
 use crate::cores::cc_strip::sending::PERIOD;
@@ -167,15 +167,16 @@ fn most(core: &Module, level: usize, register: &str) -> u32 {
 /// The buffer of a registered core: its depth, and how far each level's data are behind their control.
 fn buffer(core: &Module) -> Option<cc_strip_clocks::Buffer> {
     let placed = core.instances.iter().find(|instance| instance.name == "flags_buffer")?;
+    let node = |name: &str| placed.module.nodes.iter().find(|node| node.name.as_deref() == Some(name));
+    let middle = node(MIDDLE).is_some();
     let delay = |level: usize| {
         let name = format!("{LEAVES}{level}");
         let flag = core.nodes.iter().find(|node| node.name.as_deref() == Some(&name));
-        flag.and_then(|flag| flag.time).map_or(0, |time| time + ROUNDING)
+        flag.and_then(|flag| flag.time).map_or(0, |time| time + rounding(middle))
     };
     let delays = [1, 2, 3, 4, 5, 6, 7].map(delay);
-    let node = |name: &str| placed.module.nodes.iter().find(|node| node.name.as_deref() == Some(name));
     let words = node(WRITTEN)?.word.range.max as u32 + 1;
-    Some(cc_strip_clocks::Buffer { delays, words, middle: node(MIDDLE).is_some() })
+    Some(cc_strip_clocks::Buffer { delays, words, middle })
 }
 
 /// The words of a strip, column by column.

@@ -20,8 +20,11 @@ use crate::hdl::{Placed, Signal, Word};
 /// The flag that goes with what leaves from a level, by its name; its clock is the delay of the data.
 pub const LEAVES: &str = "leaves_at_level_";
 
-/// Clocks from the last adder of a level into the buffer.
-pub const ROUNDING: u32 = 4;
+/// Clocks from the last adder of a level into the buffer: one more where ends are walked around, behind the choice among
+/// levels.
+pub fn rounding(walked: bool) -> u32 {
+    3 + u32::from(walked)
+}
 
 /// Words of the buffer for data so many clocks behind their control: what is on its way, and some that wait.
 pub fn log_depth(delay: u32) -> u32 {
@@ -38,6 +41,7 @@ impl Output<'_> {
         };
         let lanes = self.offers.iter().map(|offer| offer.group.lanes()).max().unwrap_or(0);
         let walked = self.parameters.walked();
+        let rounding = rounding(walked);
         // The levels lie far apart: a register before the choice among them.
         let time = |offer: &Offer| offer.columns[0].rows[0].time().unwrap_or(0) + u32::from(walked);
         let delay = self.offers.iter().map(time).max().unwrap_or(0);
@@ -92,10 +96,10 @@ impl Output<'_> {
         // A column that has begun to leave is not stopped.
         let most = self.offers.iter().map(|offer| offer.group.most_slices()).max().unwrap_or(0);
         let unasked = if self.parameters.walked() { most } else { 0 };
-        let log_depth = log_depth(delay + ROUNDING + unasked);
+        let log_depth = log_depth(delay + rounding + unasked);
 
         // A FIFO for the flags and one for each coordinate of each row, all with a `push` of their own.
-        let push = m.delay_reset(&push, ROUNDING - 1, 0);
+        let push = m.delay_reset(&push, rounding - 1, 0);
         let fifo = |name: &str, lanes: &[(&str, Signal)]| -> Result<Placed> {
             let shapes: Vec<(&str, Word)> =
                 lanes.iter().map(|(lane, signal)| (*lane, signal.word())).collect();
@@ -110,7 +114,7 @@ impl Output<'_> {
                 ("ready".into(), consumer.clone()),
             ];
             for (lane, signal) in lanes {
-                inputs.push((format!("in_{lane}"), here(&m.at_time(signal, ROUNDING))));
+                inputs.push((format!("in_{lane}"), here(&m.at_time(signal, rounding))));
             }
             let inputs: Vec<(&str, &Signal)> = inputs.iter().map(|(n, s)| (n.as_str(), s)).collect();
             Ok(m.instance(&format!("{name}_buffer"), &unit, &inputs))
@@ -146,7 +150,9 @@ impl Output<'_> {
                     };
                     let chosen = format!("{name}_{letter}_{}", if in_turn { "in_turn" } else { "at_once" });
                     let any = self.offers.iter().any(|offer| of(offer).is_some());
-                    any.then(|| m.pipe(chosen, self.aligned(row, of)))
+                    any.then(|| {
+                        if walked { m.pipe(chosen, self.aligned(row, of)) } else { self.aligned(row, of) }
+                    })
                 };
                 let aligned = match (of(true), of(false)) {
                     (Some(turns), Some(other)) => {
