@@ -151,9 +151,9 @@ struct Machine {
     finishing: (bool, u32),
     pipeline: Vec<bool>,
     buffered: Option<Buffered>,
-    /// Of a registered core: all was settled a clock ago, and nothing came in; where ends are walked around it is known
-    /// after another one.
+    /// Of a registered core: all was settled a clock ago, and nothing came in.
     was_idle: bool,
+    /// The same of two clocks ago, after which it is known where ends are walked around.
     known_idle: bool,
     /// A word that waits, for so many clocks; one that does not count yet.
     waits: Option<(Word, u32)>,
