@@ -3,7 +3,7 @@
 use std::process::{Command, Output, Stdio};
 
 use serde_json::Value;
-use subdiv_rtl::cores::loop_fd::{Parameters, RegisterForm, build};
+use subdiv_rtl::cores::loop_fd::{Columns, Parameters, RegisterForm, build};
 use subdiv_rtl::cosim::loop_trial::{LoopTrial, Packet};
 use subdiv_rtl::cosim::{Dut, External, Outcome, Settings, Simulator, Stimulus, Tool, loop_bench};
 use subdiv_rtl::fpga::{Device, GateLevel, Netlist};
@@ -146,31 +146,54 @@ fn flip(netlist: &mut Netlist, (module, name): &(String, String), table: &str, i
     cell["parameters"][table] = String::from_utf8(bits).unwrap().into();
 }
 
+/// A core of triangles as a netlist, and a run of it against the reference.
+struct Placed {
+    gates: GateLevel,
+    dut: Dut,
+    stimulus: Stimulus,
+}
+
+impl Placed {
+    fn new(parameters: Parameters, packets: &[Packet]) -> Placed {
+        let core = build(parameters).unwrap();
+        let sources = verilog::print(&core, "test").unwrap();
+        let device = Device::named("ecp5-85k").unwrap();
+        let gates = GateLevel::of(&core.name, &sources, device, &Settings::default()).unwrap();
+        let trial = LoopTrial::new(&core, parameters, packets).unwrap();
+        let mut stimulus = Stimulus::new(trial.input.clone(), trial.expected.clone());
+        stimulus.expected_clocks = Some(trial.clocks(&core, &stimulus).total);
+        Placed { gates, dut: loop_bench::device(&core, &sources), stimulus }
+    }
+
+    fn run(&self, gates: &GateLevel) -> Outcome {
+        let files = gates.verilog().unwrap().into_iter().map(|file| (file.name, file.text)).collect();
+        let dut = Dut { files, ..self.dut.clone() };
+        External::new(Tool::Icarus, Settings::default()).run(&dut, &self.stimulus).unwrap()
+    }
+}
+
+/// Numbers of the format, in another order in each patch.
+fn packets(level: u32, count: i128) -> Vec<Packet> {
+    let number = |patch: i128, place: i128| (patch * 29 + place * 37).rem_euclid(64) - 32;
+    let packets = (0..count).map(|patch| {
+        let point = |place| [0, 1, 2].map(|axis| number(patch + 5 * axis, place * (2 * patch + 1)));
+        Packet { level, points: (0..12).map(point).collect() }
+    });
+    packets.collect()
+}
+
+fn small(level: u32) -> Parameters {
+    Parameters::new("Q3.3".parse().unwrap(), 3, level, RegisterForm::Minimal20).unwrap()
+}
+
 #[test]
 fn a_flipped_bit_in_a_table_is_seen() {
     if !installed() {
         return;
     }
-    let parameters = Parameters::new("Q3.3".parse().unwrap(), 3, 1, RegisterForm::Minimal20).unwrap();
-    let core = build(parameters).unwrap();
-    let sources = verilog::print(&core, "test").unwrap();
-    let device = Device::named("ecp5-85k").unwrap();
-    let gates = GateLevel::of(&core.name, &sources, device, &Settings::default()).unwrap();
-    // All numbers of the format, in another order in each patch.
-    let number = |patch: i128, place: i128| (patch * 29 + place * 37).rem_euclid(64) - 32;
-    let packets = (0..12).map(|patch| {
-        let point = |place| [0, 1, 2].map(|axis| number(patch + 5 * axis, place * (2 * patch + 1)));
-        Packet { level: 1, points: (0..12).map(point).collect() }
-    });
-    let trial = LoopTrial::new(&core, parameters, &packets.collect::<Vec<_>>()).unwrap();
-    let mut stimulus = Stimulus::new(trial.input.clone(), trial.expected.clone());
-    stimulus.expected_clocks = Some(trial.clocks(&core, &stimulus).total);
-    let run = |gates: &GateLevel| -> Outcome {
-        let files = gates.verilog().unwrap().into_iter().map(|file| (file.name, file.text)).collect();
-        let dut = Dut { files, ..loop_bench::device(&core, &sources) };
-        External::new(Tool::Icarus, Settings::default()).run(&dut, &stimulus).unwrap()
-    };
-    assert_eq!(run(&gates).failures, []);
+    let placed = Placed::new(small(1), &packets(1, 12));
+    let gates = &placed.gates;
+    assert_eq!(placed.run(gates).failures, []);
     for (kind, table, inputs) in
         [("CCU2C", "INIT0", ["A0", "B0", "C0", "D0"]), ("LUT4", "INIT", ["A", "B", "C", "D"])]
     {
@@ -181,8 +204,37 @@ fn a_flipped_bit_in_a_table_is_seen() {
             let mut wrong = gates.clone();
             flip(&mut wrong.netlist, cell, table, inputs);
             assert_ne!(wrong.netlist.0, gates.netlist.0);
-            !run(&wrong).failures.is_empty()
+            !placed.run(&wrong).failures.is_empty()
         });
         assert!(seen, "{kind}: {candidates:?}");
     }
+}
+
+#[test]
+fn block_rams_with_their_registers_keep_what_they_should() {
+    if !installed() {
+        return;
+    }
+    // The column before, in block RAM; and the buffers of a strip core that walks around the ends.
+    let parameters = small(5).with_min_level(5).and_then(|p| p.with_columns(Columns::Buffered)).unwrap();
+    let placed = Placed::new(parameters, &packets(5, 2));
+    assert_eq!(placed.run(&placed.gates).failures, []);
+    assert_eq!(placed.gates.cells()["DP16KD"], 3);
+    assert!(placed.gates.tidied.registered_outputs > 0);
+    let mut wrong = placed.gates.clone();
+    let cells = wrong.netlist.0["modules"]["loop_fd"]["cells"].as_object_mut().unwrap();
+    for (_, ram) in cells.iter_mut().filter(|(_, cell)| cell["type"] == "DP16KD") {
+        for side in ["REGMODE_A", "REGMODE_B"] {
+            ram["parameters"][side] = "NOREG".into();
+        }
+    }
+    assert!(!placed.run(&wrong).failures.is_empty(), "a word that comes a clock early");
+
+    let walked = ["--max-level", "1", "--rounding", "floor", "--registered", "--back-pressure", "random"];
+    let quads: Vec<&str> =
+        QUADS.into_iter().filter(|word| !["--schedule", "shared"].contains(word)).collect();
+    let (netlist, mismatches) =
+        verdict(&[&quads[..], &walked, &["--netlist", "ecp5", "--simulator", "icarus"]].concat());
+    assert_eq!(mismatches, [0]);
+    assert_eq!(netlist["cells"]["DP16KD"], 10);
 }

@@ -9,7 +9,7 @@ use std::rc::Rc;
 
 use super::core::port;
 use super::strip_lanes::Lanes;
-use crate::cores::cc_strip::buffer::{MIDDLE, WRITTEN};
+use crate::cores::cc_strip::buffer::{LOG_NEAR, NEAR, WRITTEN};
 use crate::cores::cc_strip::buffered::{LEAVES, rounding};
 use crate::cores::cc_strip::control::WALKS;
 use crate::cores::cc_strip::finish::Kind;
@@ -168,15 +168,15 @@ fn most(core: &Module, level: usize, register: &str) -> u32 {
 fn buffer(core: &Module) -> Option<cc_strip_clocks::Buffer> {
     let placed = core.instances.iter().find(|instance| instance.name == "flags_buffer")?;
     let node = |name: &str| placed.module.nodes.iter().find(|node| node.name.as_deref() == Some(name));
-    let middle = node(MIDDLE).is_some();
+    let deep = placed.module.instances.iter().any(|instance| instance.name == NEAR);
     let delay = |level: usize| {
         let name = format!("{LEAVES}{level}");
         let flag = core.nodes.iter().find(|node| node.name.as_deref() == Some(&name));
-        flag.and_then(|flag| flag.time).map_or(0, |time| time + rounding(middle))
+        flag.and_then(|flag| flag.time).map_or(0, |time| time + rounding(deep))
     };
     let delays = [1, 2, 3, 4, 5, 6, 7].map(delay);
     let words = node(WRITTEN)?.word.range.max as u32 + 1;
-    Some(cc_strip_clocks::Buffer { delays, words, middle })
+    Some(cc_strip_clocks::Buffer { delays, words, near: deep.then_some(1 << LOG_NEAR) })
 }
 
 /// The words of a strip, column by column.

@@ -5,7 +5,7 @@
 //! ```
 //!
 //! Only these modules are taken: others of the same file are written in newer Verilog than every simulator reads.
-//! Yosys has no models of multipliers; ours take their place.
+//! Yosys has no models of multipliers and block RAMs; ours take their place.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -22,8 +22,9 @@ use crate::error::{Error, Kind, Result};
 pub fn models(family: Family, yosys: &Tool, types: &BTreeSet<String>) -> Result<String> {
     let folder = share(Path::new(&yosys.program))?.join(family.name());
     let mut library = Library::default();
-    library.read(&folder.join("cells_sim.v"))?;
+    // First: Yosys has an empty block RAM.
     library.add(OURS, &|name| include(&folder, name))?;
+    library.read(&folder.join("cells_sim.v"))?;
     library.models(types).map_err(|kind| {
         Error::new(Kind::ToolFailed, format!("Yosys has no model to simulate the cell {kind} with"))
             .at(folder.display())

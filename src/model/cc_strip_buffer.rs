@@ -9,23 +9,24 @@ pub struct Buffer {
     /// Clocks from the control of level l to the buffer, for l = 1, 2, ...
     pub delays: [u32; 7],
     pub words: u32,
-    /// A word stands between the memory and the output, and may wait beside that.
-    pub middle: bool,
+    /// Words of the short one behind a deep one: there a word stands between the memory and the output, and may wait
+    /// beside that.
+    pub near: Option<u32>,
 }
 
-impl Buffer {
-    /// Free places at which no more is sent.
-    const RESERVE: u32 = 3;
-}
+/// Clocks from a deep buffer into the short one.
+const FETCHES: usize = 2;
+
+/// Free places at which no more is sent.
+const RESERVE: u32 = 3;
 
 /// What is in a buffer and on its way there.
 pub(super) struct Buffered {
     way: VecDeque<bool>,
     stored: u32,
-    middle: bool,
-    /// No word waits beside the output.
-    spare: bool,
-    pub(super) standing: bool,
+    words: u32,
+    unasked: u32,
+    behind: Behind,
     free: u32,
     issued: bool,
     taken: bool,
@@ -33,15 +34,76 @@ pub(super) struct Buffered {
     pub(super) empty: bool,
 }
 
+/// What is behind the memory of a buffer.
+enum Behind {
+    /// A word may stand at the output.
+    Output {
+        standing: bool,
+    },
+    /// One between, and no word waits beside the output (`spare`).
+    Middle {
+        middle: bool,
+        spare: bool,
+        standing: bool,
+    },
+    Near(Box<Buffered>),
+}
+
+impl Behind {
+    fn standing(&self) -> bool {
+        match self {
+            Behind::Output { standing } | Behind::Middle { standing, .. } => *standing,
+            Behind::Near(near) => near.standing(),
+        }
+    }
+
+    /// Whether a word is taken from the memory, which has one or none.
+    fn clock(&mut self, some: bool, ready: bool) -> bool {
+        match self {
+            Behind::Output { standing } => {
+                let take = some && (!*standing || ready);
+                *standing = take || (*standing && !ready);
+                take
+            }
+            Behind::Middle { middle, spare, standing } => {
+                let (take, free) = (some && (!*middle || *spare), !*standing || ready);
+                if free {
+                    *standing = *middle || !*spare;
+                }
+                (*spare, *middle) = (free || (*spare && !*middle), take || (*middle && !*spare));
+                take
+            }
+            Behind::Near(near) => {
+                let take = some && near.room;
+                near.clock(take, ready);
+                take
+            }
+        }
+    }
+}
+
 impl Buffered {
-    pub(super) fn new(words: u32) -> Buffered {
-        let way = VecDeque::new();
+    /// So many slices of a column are sent without being asked about.
+    pub(super) fn new(Buffer { words, near, .. }: Buffer, unasked: u32) -> Buffered {
+        let behind = match near {
+            None => Behind::Output { standing: false },
+            Some(words) => {
+                let middle = Behind::Middle { middle: false, spare: true, standing: false };
+                let mut near = Buffered::before(middle, words, 0);
+                near.way = vec![false; FETCHES].into();
+                Behind::Near(Box::new(near))
+            }
+        };
+        Buffered::before(behind, words, unasked)
+    }
+
+    fn before(behind: Behind, words: u32, unasked: u32) -> Buffered {
         Buffered {
-            way,
+            way: VecDeque::new(),
             stored: 0,
-            middle: false,
-            spare: true,
-            standing: false,
+            words,
+            unasked,
+            behind,
             free: words,
             issued: false,
             taken: false,
@@ -55,32 +117,18 @@ impl Buffered {
         self.way = vec![false; clocks as usize].into();
     }
 
-    pub(super) fn clock(
-        &mut self,
-        issue: bool,
-        ready: bool,
-        Buffer { words, middle, .. }: Buffer,
-        unasked: u32,
-    ) {
-        let free = !self.standing || ready;
-        let take = if middle {
-            let take = self.stored > 0 && (!self.middle || self.spare);
-            if free {
-                self.standing = self.middle || !self.spare;
-            }
-            (self.spare, self.middle) =
-                (free || (self.spare && !self.middle), take || (self.middle && !self.spare));
-            take
-        } else {
-            let take = self.stored > 0 && free;
-            self.standing = take || (self.standing && !ready);
-            take
-        };
+    /// Whether a word stands at the output.
+    pub(super) fn standing(&self) -> bool {
+        self.behind.standing()
+    }
+
+    pub(super) fn clock(&mut self, issue: bool, ready: bool) {
+        let take = self.behind.clock(self.stored > 0, ready);
         self.way.push_front(issue);
         let push = self.way.pop_back().unwrap_or(false);
         self.stored = self.stored + u32::from(push) - u32::from(take);
-        self.room = self.free > Buffer::RESERVE + unasked;
-        self.empty = self.free == words && !self.issued && !issue;
+        self.room = self.free > RESERVE + self.unasked;
+        self.empty = self.free == self.words && !self.issued && !issue;
         self.free = self.free + u32::from(self.taken) - u32::from(self.issued);
         (self.issued, self.taken) = (issue, take);
     }

@@ -17,7 +17,7 @@
 //! - A registered core sends into a buffer whose room is known a clock late; what is sent comes there, and counts,
 //!   later still. All is settled when every place of the buffer is free again.
 //! - Where the ends of columns are walked around, that takes its clocks from the first slice of a vertex column on; so
-//!   long nothing comes in. There a word is looked at for two clocks before it is taken
+//!   long nothing comes in. There a word is looked at for two clocks, taken a clock after it may be
 //!   from where it waits, and none comes before it has gone; it counts a clock after that, a column a clock after it was whole, and
 //!   nothing is taken while that has not counted; and a level asks for room for a whole column, a clock before its first slice.
 //! - Where a level works on x, y and z in turn, each has its slices in the first clocks of a period, in which the
@@ -158,6 +158,8 @@ struct Machine {
     /// A word that waits, for so many clocks; one that does not count yet.
     waits: Option<(Word, u32)>,
     taken: Option<Word>,
+    /// The word that waits is taken in this clock.
+    goes: bool,
     /// Of the clock before.
     had_room: bool,
 }
@@ -188,7 +190,8 @@ impl Machine {
         }
         levels[count - 1].double = core.schedule == Schedule::Double;
         let pipeline = vec![false; core.finish.unwrap_or(1) as usize];
-        let buffered = core.buffer.map(|buffer| Buffered::new(buffer.words));
+        let unasked = if core.walks == [0; 7] { 0 } else { levels[count - 1].slices };
+        let buffered = core.buffer.map(|buffer| Buffered::new(buffer, unasked));
         Machine {
             core,
             levels,
@@ -202,6 +205,7 @@ impl Machine {
             known_idle: true,
             waits: None,
             taken: None,
+            goes: false,
             had_room: false,
         }
     }
@@ -217,10 +221,7 @@ impl Machine {
     }
 
     fn output(&self) -> bool {
-        if let Some(buffered) = &self.buffered {
-            return buffered.standing;
-        }
-        self.pipeline[self.pipeline.len() - 1]
+        self.buffered.as_ref().map_or_else(|| self.pipeline[self.pipeline.len() - 1], Buffered::standing)
     }
 
     /// Whether the ends of columns are walked around.
@@ -279,22 +280,23 @@ impl Machine {
         let enters = walks && self.waits.is_none();
         let looked_at =
             if walks { self.waits.filter(|(_, clocks)| *clocks > 0).map(|(word, _)| word) } else { offered };
+        let goes = std::mem::take(&mut self.goes);
         let word = looked_at.filter(|word| {
             let dropped = self.dropping || (word.first && (word.level == 0 || word.level > self.core.levels));
             let settled = !word.first || word.level as usize == self.wanted || settles;
             // Words come so seldom that the room is that of the clock before.
             let room = if walks { self.had_room } else { next_ready };
-            dropped || (room && settled)
+            goes || dropped || (room && settled)
         });
+        self.goes = walks && word.is_some() && !goes;
+        let word = word.filter(|_| !walks || goes);
 
         // The edge.
         self.known_idle = self.was_idle && self.taken.is_none();
         self.was_idle = idle;
         self.had_room = next_ready;
         let (mut reaches, mut arrivals) = (None, vec![]);
-        for level in &mut self.levels {
-            level.walk = level.walk.saturating_sub(1);
-        }
+        self.levels.iter_mut().for_each(|level| level.walk = level.walk.saturating_sub(1));
         for (unit, serve) in serves.iter().enumerate() {
             let Some(level) = *serve else { continue };
             let sender = self.levels[level];
@@ -386,11 +388,9 @@ impl Machine {
 
     /// What the output takes in: kept at once, or finished when the column behind it is there.
     fn finish(&mut self, reaches: Option<(Arrival, bool, bool)>, advance: bool, ready: bool) {
-        let (walks, slices) = (self.walks(), self.levels[self.levels.len() - 1].slices);
         let seen = |(arrival, _, double): (Arrival, bool, bool)| double || !(arrival.first || arrival.last);
-        if let (Some(buffered), Some(buffer)) = (&mut self.buffered, self.core.buffer) {
-            let unasked = if walks { slices } else { 0 };
-            buffered.clock(reaches.is_some_and(seen), ready, buffer, unasked);
+        if let Some(buffered) = &mut self.buffered {
+            buffered.clock(reaches.is_some_and(seen), ready);
             return;
         }
         if self.core.finish.is_none() {

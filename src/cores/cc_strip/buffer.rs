@@ -9,7 +9,14 @@
 //! As [`crate::cores::stream_fifo`], but cut for a high clock: every coordinate of a row has a FIFO with its own
 //! pointers, which all do the same; a register stands behind every decision, so what is issued counts two clocks
 //! later, and the last words of the RAM are kept for what is on its way. The RAM is made of lookup tables, which are
-//! faster than block RAM.
+//! faster than block RAM; where it is deep, it is a block RAM, and what is read from that goes into a short FIFO of
+//! lookup tables on credits of its own:
+//!
+//! ```text
+//! push ──► block RAM ──► its register ──► push ──► RAM ──► in the middle ──┬──────────► stands ──► consumer
+//!             ▲                                                            └──► spare ────┘
+//!             └── has_room ◄── credits ◄── take
+//! ```
 
 use std::rc::Rc;
 
@@ -22,7 +29,7 @@ const RESERVE: i128 = 4;
 /// Whether another column may leave. Inputs: `issue`, `take`. Outputs: `has_room`, and `empty`: nothing is on its way
 /// or in the RAM.
 pub fn credits(log_depth: u32, unasked: u32) -> Result<Rc<Module>> {
-    let m = Builder::new("buffer_credits");
+    let m = Builder::new(&format!("buffer_credits_{log_depth}"));
     let depth = 1i128 << log_depth;
     m.purpose(
         "One credit for each word of the buffer: who issues a word takes one, who takes a word returns one.",
@@ -46,120 +53,151 @@ pub fn credits(log_depth: u32, unasked: u32) -> Result<Rc<Module>> {
     m.finish()
 }
 
-/// Words of a bank of a deep buffer: as many as can be read within a clock.
-const LOG_BANK: u32 = 6;
-
-/// The FIFO of a coordinate of a row, of a bank more than one where it is deep: then the word of the bank in turn stands
-/// in a register between the banks and the output, and there is a spare one for the word that comes when the consumer
-/// stops: what is read from the RAM does not ask the consumer.
+/// A FIFO of `2^log_depth` words, for a coordinate of a row; `deep` ones are read from block RAM.
 ///
-/// ```text
-/// banks ──► in the middle ──┬──────────► stands ──► consumer
-///                           └──► spare ────┘
-/// ```
-///
-/// Inputs: `push` and the lanes, `ready`. Outputs: `valid` and the lanes, and `take`: a word goes from the RAM into the
-/// register behind it.
+/// Inputs: `push` and the lanes, `ready`. Outputs: `valid` and the lanes, and `take`: a word leaves the RAM that was
+/// written to.
 pub fn row(name: &str, log_depth: u32, deep: bool, lanes: &[(&str, Word)]) -> Result<Rc<Module>> {
-    let m = Builder::new(name);
-    let depth = 1i128 << log_depth;
-    m.purpose(format!("A FIFO of {depth} words; the pipeline before it runs on credits and never stalls."));
-    let [push, ready] = ["push", "ready"].map(|name| m.input(name, Word::bit()));
-    let inputs: Vec<_> = lanes.iter().map(|(name, word)| m.input(format!("in_{name}"), *word)).collect();
-
-    let pointer = Word::unsigned(log_depth);
-    let [written, read] = [WRITTEN, "read"].map(|name| m.register_reset(name, pointer, 0));
-    let [some, valid] = ["some", "valid"].map(|name| m.register_reset(name, Word::bit(), 0));
-    let free = m.wire("free", !&valid | &ready);
-    let steps = deep.then(|| {
-        let middle = m.register_reset(MIDDLE, Word::bit(), 0);
-        let spare = m.register_reset(SPARE, Word::bit(), 1);
-        m.on(&some, &middle, m.bit(true));
-        m.on(&spare, &middle, m.bit(false));
-        m.always(&spare, &free | &(&spare & &!&middle));
-        m.on(&free, &valid, !&spare | &middle);
-        (middle, spare)
-    });
-    let room = steps.as_ref().map_or(free.clone(), |(middle, spare)| !middle | spare);
-    let take = m.wire("take", &some & &room);
-    if !deep {
-        m.on(&some, &valid, m.bit(true));
-        m.on(&ready, &valid, m.bit(false));
+    match deep {
+        true => far(name, log_depth, lanes),
+        false => plain(name, log_depth, lanes),
     }
-    m.on(&push, &written, m.wrap(&written + 1, pointer));
-    m.on(&take, &read, m.wrap(&read + 1, pointer));
+}
 
-    // Counts stand less what they are compared with, so that their signs tell.
-    let moves = m.wire("stored_changes", &push ^ &take);
-    let [step_up, step_down] = [1, -1].map(|step| m.constant(step, Word::range(-1, 1)));
-    let step = m.select(&push, &step_up, &step_down);
-    let at_least = |least: i128| {
-        let word = Word::range(-least, depth - least);
-        let count = m.register_reset(format!("stored_less_{least}"), word, -least);
-        m.on(&moves, &count, m.wrap(&count + &step, word));
-        m.wire(format!("stores_{least}"), !&m.slice(&count, word.width() - 1, 1))
-    };
-    let [one, two] = [1, 2].map(at_least);
-    m.always(&some, m.any(&[&push, &two, &(&one & &!&take)]));
+/// The pointers of a FIFO, and whether there is a word.
+struct Pointers {
+    written: Signal,
+    read: Signal,
+    some: Signal,
+}
 
+impl Pointers {
+    fn new(m: &Builder, log_depth: u32) -> Pointers {
+        let [written, read] =
+            [WRITTEN, "read"].map(|name| m.register_reset(name, Word::unsigned(log_depth), 0));
+        Pointers { written, read, some: m.register_reset("some", Word::bit(), 0) }
+    }
+
+    fn moves(&self, m: &Builder, push: &Signal, take: &Signal) {
+        let depth = self.written.word().range.max + 1;
+        for (when, pointer) in [(push, &self.written), (take, &self.read)] {
+            m.on(when, pointer, m.wrap(pointer + 1, pointer.word()));
+        }
+        // Counts stand less what they are compared with, so that their signs tell.
+        let moves = m.wire("stored_changes", push ^ take);
+        let [step_up, step_down] = [1, -1].map(|step| m.constant(step, Word::range(-1, 1)));
+        let step = m.select(push, &step_up, &step_down);
+        let at_least = |least: i128| {
+            let word = Word::range(-least, depth - least);
+            let count = m.register_reset(format!("stored_less_{least}"), word, -least);
+            m.on(&moves, &count, m.wrap(&count + &step, word));
+            m.wire(format!("stores_{least}"), !&m.slice(&count, word.width() - 1, 1))
+        };
+        let [one, two] = [1, 2].map(at_least);
+        m.always(&self.some, m.any(&[push, &two, &(&one & !take)]));
+    }
+}
+
+/// The ports that every FIFO has: `push`, `ready` and the lanes.
+fn ports(m: &Builder, lanes: &[(&str, Word)]) -> (Signal, Signal, Vec<Signal>) {
+    let [push, ready] = ["push", "ready"].map(|name| m.input(name, Word::bit()));
+    let lane = |(name, word): &(&str, Word)| m.input(format!("in_{name}"), *word);
+    (push, ready, lanes.iter().map(lane).collect())
+}
+
+/// The word that is read stands in the register behind the RAM.
+fn plain(name: &str, log_depth: u32, lanes: &[(&str, Word)]) -> Result<Rc<Module>> {
+    let m = Builder::new(name);
+    let depth = 1 << log_depth;
+    m.purpose(format!("A FIFO of {depth} words; the pipeline before it runs on credits and never stalls."));
+    let (push, ready, inputs) = ports(&m, lanes);
+    let pointers = Pointers::new(&m, log_depth);
+    let valid = m.register_reset("valid", Word::bit(), 0);
+    let take = m.wire("take", &pointers.some & (!&valid | &ready));
+    m.on(&pointers.some, &valid, m.bit(true));
+    m.on(&ready, &valid, m.bit(false));
+    pointers.moves(&m, &push, &take);
     m.output("take", &take);
     m.output("valid", &valid);
-    let Some((_, spare)) = &steps else {
-        for ((name, word), input) in lanes.iter().zip(&inputs) {
-            let ram = m.memory(&format!("ram_{name}"), depth as u32, *word, vec![]).distributed();
-            ram.write(&push, &written, input);
-            let lane = m.restart(&ram.read(&format!("read_{name}"), &read, Some(&take)), 0);
-            m.output(format!("out_{name}"), &lane);
-        }
-        return m.finish();
-    };
-    let banks = 1u32 << log_depth.saturating_sub(LOG_BANK);
-    let size = (depth as u32) / banks;
-    let within = |pointer: &Signal| m.slice(pointer, 0, size.ilog2());
-    // The bank of the word in the middle.
-    let turn: Vec<Signal> = (0..banks.ilog2())
-        .map(|bit| {
-            let digit = m.slice(&read, log_depth - banks.ilog2() + bit, 1);
-            let turn = m.register(format!("turn_{bit}"), Word::bit());
-            m.on(&take, &turn, &digit);
-            turn
-        })
-        .collect();
     for ((name, word), input) in lanes.iter().zip(&inputs) {
-        let mut words: Vec<Signal> = (0..banks)
-            .map(|bank| {
-                let here = |pointer: &Signal| bank_of(&m, pointer, banks, bank);
-                let ram = m.memory(&format!("ram_{name}_{bank}"), size, *word, vec![]).distributed();
-                ram.write(&(&push & &here(&written)), &within(&written), input);
-                let enable = &take & &here(&read);
-                m.restart(&ram.read(&format!("read_{name}_{bank}"), &within(&read), Some(&enable)), 0)
-            })
-            .collect();
-        for bit in 0..banks.ilog2() {
-            let chosen = |pair: &[Signal]| m.select(&turn[bit as usize], &pair[1], &pair[0]);
-            words = words.chunks(2).map(chosen).collect();
-        }
+        let ram = m.memory(&format!("ram_{name}"), depth, *word, vec![]).distributed();
+        ram.write(&push, &pointers.written, input);
+        let lane = ram.read(&format!("read_{name}"), &pointers.read, Some(&take));
+        m.output(format!("out_{name}"), m.restart(&lane, 0));
+    }
+    m.finish()
+}
+
+/// A short FIFO whose RAM does not ask the consumer: the word that is read stands in the middle, and there is a spare
+/// register for the one that comes when the consumer stops.
+fn near(name: &str, lanes: &[(&str, Word)]) -> Result<Rc<Module>> {
+    let m = Builder::new(name);
+    m.purpose("A short FIFO: what it reads does not ask the consumer.");
+    let (push, ready, inputs) = ports(&m, lanes);
+    let pointers = Pointers::new(&m, LOG_NEAR);
+    let flag = |name: &str, reset: i128| m.register_reset(name, Word::bit(), reset);
+    let [valid, middle, spare] = [("valid", 0), ("in_the_middle", 0), ("spare", 1)].map(|(n, r)| flag(n, r));
+    let free = m.wire("free", !&valid | &ready);
+    m.on(&pointers.some, &middle, m.bit(true));
+    m.on(&spare, &middle, m.bit(false));
+    m.always(&spare, &free | &(&spare & &!&middle));
+    m.on(&free, &valid, !&spare | &middle);
+    let take = m.wire("take", &pointers.some & (!&middle | &spare));
+    pointers.moves(&m, &push, &take);
+    m.output("take", &take);
+    m.output("valid", &valid);
+    for ((name, word), input) in lanes.iter().zip(&inputs) {
+        let ram = m.memory(&format!("ram_{name}"), 1 << LOG_NEAR, *word, vec![]).distributed();
+        ram.write(&push, &pointers.written, input);
+        let read = m.restart(&ram.read(&format!("read_{name}"), &pointers.read, Some(&take)), 0);
         let [kept, lane] = ["kept", "stands"].map(|what| m.register(format!("{name}_{what}"), *word));
-        m.on(spare, &kept, &words[0]);
-        m.on(&free, &lane, m.select(spare, &words[0], &kept));
+        m.on(&spare, &kept, &read);
+        m.on(&free, &lane, m.select(&spare, &read, &kept));
         m.output(format!("out_{name}"), &lane);
     }
+    m.finish()
+}
+
+/// A block RAM before a short FIFO, which runs on credits too.
+fn far(name: &str, log_depth: u32, lanes: &[(&str, Word)]) -> Result<Rc<Module>> {
+    let m = Builder::new(name);
+    let depth = 1 << log_depth;
+    m.purpose(format!("A FIFO of {depth} words in block RAM; the pipeline before it runs on credits."));
+    let (push, ready, inputs) = ports(&m, lanes);
+    let pointers = Pointers::new(&m, log_depth);
+    let room = m.forward("has_room", Word::bit());
+    let take = m.wire("take", &pointers.some & &room);
+    pointers.moves(&m, &push, &take);
+    let mut into = vec![
+        ("push".to_string(), m.restart(&m.delay_reset(&take, FETCHES, 0), 0)),
+        ("ready".to_string(), ready),
+    ];
+    for ((name, word), input) in lanes.iter().zip(&inputs) {
+        // A word is read a clock after it was written at least.
+        let ram = m.memory(&format!("ram_{name}"), depth, *word, vec![]).block().apart();
+        ram.write(&push, &pointers.written, input);
+        let read = m.pipe(format!("word_{name}"), ram.read(&format!("read_{name}"), &pointers.read, None));
+        into.push((format!("in_{name}"), m.restart(&read, 0)));
+    }
+    let into: Vec<(&str, &Signal)> = into.iter().map(|(name, signal)| (name.as_str(), signal)).collect();
+    let placed = m.instance(NEAR, &near(&format!("{name}_near"), lanes)?, &into);
+    let credits =
+        m.instance("room", &credits(LOG_NEAR, 0)?, &[("issue", &take), ("take", &placed.out("take"))]);
+    m.drive(&room, &credits.out("has_room"));
+    m.output("take", &take);
+    m.output("valid", placed.out("valid"));
+    lanes.iter().map(|(lane, _)| format!("out_{lane}")).for_each(|lane| m.output(&*lane, placed.out(&lane)));
     m.finish()
 }
 
 /// The register that counts through all words of the RAM.
 pub const WRITTEN: &str = "written";
 
-/// The register of a deep buffer that says that a word stands between the banks and the output.
-pub const MIDDLE: &str = "in_the_middle";
+/// The short FIFO of a deep one.
+pub const NEAR: &str = "near";
 
-/// That which says that no word waits beside the output.
-const SPARE: &str = "spare";
+/// Its words.
+pub const LOG_NEAR: u32 = 4;
 
-/// Whether a pointer is in a bank.
-fn bank_of(m: &Builder, pointer: &Signal, banks: u32, bank: u32) -> Signal {
-    match banks.ilog2() {
-        0 => m.bit(true),
-        bits => m.is(&m.slice(pointer, pointer.width() - bits, bits), bank.into()),
-    }
-}
+/// Clocks from the address of a block RAM to the register at its output.
+const FETCHES: u32 = 2;

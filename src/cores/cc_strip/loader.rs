@@ -47,6 +47,17 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
     let ready = m.wire("ready", &dropped | (&taken & &settled));
     let moves = m.wire("moves", &valid & &ready);
     let accept = m.wire("accept", m.all(&[&valid, &!&dropped, &taken, &settled]));
+    // A word of a walked core is still there in the clock after it was judged, and goes then.
+    let (moves, accept) = match parameters.walked() {
+        true => {
+            let goes = m.register_reset("goes", Word::bit(), 0);
+            m.always(&goes, &moves & !&goes);
+            let accepts = m.register_reset("accepts", Word::bit(), 0);
+            m.always(&accepts, &accept & !&goes);
+            (goes, accepts)
+        }
+        false => (moves, accept),
+    };
     m.on(&(&accept & &starts), &level, &wanted);
     m.on(&(&moves & &last), &starts, m.bit(true));
     m.on(&moves, &starts, m.bit(false));
@@ -109,7 +120,8 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
         m.on(vertex, &kept, &valence);
         m.output(format!("{end}_valence"), &kept);
     }
-    m.output("ready", &ready);
+    // What moves by a register does not ask the word.
+    m.output("ready", if parameters.walked() { &moves } else { &ready });
     m.output("comes", &comes);
     m.output("accept", &accept);
     m.output("begins", &fresh);

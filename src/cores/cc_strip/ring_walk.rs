@@ -315,9 +315,11 @@ pub fn build(parameters: Parameters, level: u32) -> Result<Rc<Module>> {
     let new_word = parameters.word(level + 1);
     let fit = |signal: &Signal| m.wrap(m.rescale(signal, new_word.fraction), new_word);
     let vertex = fit(&vertex);
-    let low = m.at_time(&m.at_time(&walk.bottom, later), later + 1);
-    let vertices = [(!&low, "top"), (low.clone(), "bottom")]
-        .map(|(here, end)| kept(&format!("{end}_replaced"), &(&m.delay(&ready, 1) & &here), &vertex));
+    let low = m.at_time(&walk.bottom, later);
+    let vertices = [(!&low, "top"), (low.clone(), "bottom")].map(|(here, end)| {
+        let when = m.pipe(format!("{end}_is_replaced"), &ready & &here);
+        kept(&format!("{end}_replaced"), &when, &vertex)
+    });
 
     // Both ends leave together.
     let done = m.delay(&start, times.done());
@@ -366,13 +368,15 @@ pub fn build(parameters: Parameters, level: u32) -> Result<Rc<Module>> {
     let stream: Vec<(String, Signal)> = ["fan_a".to_string(), "fan_x".into()].into_iter().zip(late).collect();
 
     // Where the stream is, a step further than the place that it brings.
-    let sides = Steps::new(&m, "sides", &m.delay(&start, times.sides()), times.steps);
-    let at_right: Signal = m.at_time(&m.pipe("right_comes", &active & &at_right), times.sides());
+    let before = times.sides() - 1;
+    let sides = Steps::new(&m, "sides", &m.delay(&start, before), times.steps);
+    let at_right: Signal = m.at_time(&m.pipe("right_comes", &active & &at_right), before);
     let at_left = sides.at(&m, 3);
     for (end, here) in End::BOTH.iter().zip([!&sides.bottom, sides.bottom.clone()]) {
         for (side, when) in [("left", &at_left), ("right", &at_right)] {
             let name = format!("{}_{side}", end.name());
-            let caught = kept(&format!("{name}_caught"), &(when & &here), &stream[0].1);
+            let when = m.pipe(format!("{name}_comes"), when & &here);
+            let caught = kept(&format!("{name}_caught"), &when, &stream[0].1);
             fetch(name, &caught);
         }
     }

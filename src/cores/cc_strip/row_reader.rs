@@ -46,14 +46,12 @@ pub fn build(parameters: Parameters, level: u32) -> Result<Rc<Module>> {
     let bank = m.register_reset(BANK, Word::range(0, i128::from(BANKS) - 1), 0);
     m.on(&(&shift & m.is(&bank, i128::from(BANKS) - 1)), &bank, m.constant(0, bank.word()));
     m.on(&shift, &bank, m.wrap(&bank + 1, bank.word()));
-    // The first slice of a column is already in its bank.
-    let now = m.restart(&bank, 1);
 
     let some = |name: String, of: &dyn Fn(u32) -> bool| {
         let writes: Vec<&Signal> = (0..half).filter(|p| of(*p)).map(|p| &writes[p as usize]).collect();
         m.pipe(name, m.any(&writes))
     };
-    let comes = some("comes".into(), &|_| true);
+    let comes = m.wire("comes", m.any(&writes.iter().collect::<Vec<_>>()));
     let bits: Vec<Signal> =
         (0..level - 1).map(|bit| some(format!("written_{bit}"), &|p| p >> bit & 1 == 1)).collect();
     let bits: Vec<&Signal> = bits.iter().rev().collect();
@@ -64,9 +62,12 @@ pub fn build(parameters: Parameters, level: u32) -> Result<Rc<Module>> {
     let odd = m.at_time(&m.slice(&slice, 0, 1), 1);
     let of_bank: Vec<[Signal; 2]> = (0..BANKS)
         .map(|b| {
-            let here = m.wire(format!("comes_to_{b}"), &comes & m.is(&now, b.into()));
+            // The first slice of a column goes to its bank.
+            let before = (b + BANKS - 1) % BANKS;
+            let next = m.select(&shift, m.is(&bank, before.into()), m.is(&bank, b.into()));
             [0, 1].map(|parity| {
                 let name = ram(parity, b);
+                let here = m.copy(format!("comes_to_{name}"), &comes & &next);
                 let ram = m.memory(&name, half, word, vec![]).distributed();
                 ram.write(&here, &written, &rows[parity]);
                 ram.read(&format!("{name}_read"), &asked, None)

@@ -54,7 +54,6 @@ pub fn at_once(m: &Builder, group: &Group, starts: &Signal) -> Sending {
         0 => (sends.clone(), None),
         bits => {
             let slice = m.register_reset("slice", Word::unsigned(bits), 0);
-            m.on(starts, &slice, m.constant(0, slice.word()));
             m.on(&sends, &slice, m.wrap(&slice + 1, slice.word()));
             let last = flag("sends_last_slice");
             m.always(&last, &sends & m.is(&slice, slices - 2));
@@ -86,12 +85,11 @@ pub fn in_turn(m: &Builder, group: &Group, starts: &Signal, vertex: &Signal, per
     let axis = m.register_reset("axis", axis_word(), 0);
     m.always(&ends_turn, &sends & m.is(&clock, period - 2));
     let zero = m.constant(0, clock.word());
-    m.on(starts, &clock, &zero);
-    m.on(&ends_turn, &clock, &zero);
-    m.on(&sends, &clock, m.wrap(&clock + 1, clock.word()));
-    m.on(starts, &axis, m.constant(0, axis.word()));
+    m.on(&(&ends_turn | !&sends), &clock, &zero);
+    m.always(&clock, m.wrap(&clock + 1, clock.word()));
+    m.on(&!&sends, &axis, m.constant(0, axis.word()));
     m.on(&(&ends_turn & !&at_z), &axis, m.wrap(&axis + 1, axis.word()));
-    m.on(starts, &at_z, m.bit(false));
+    m.on(&!&sends, &at_z, m.bit(false));
     m.on(&(&ends_turn & m.is(&axis, 1)), &at_z, m.bit(true));
     let next = m.wire("begins_turn", starts | &(&ends_turn & !&at_z));
     m.always(&begins, &next);
@@ -107,7 +105,11 @@ pub fn in_turn(m: &Builder, group: &Group, starts: &Signal, vertex: &Signal, per
             (leaves, last, Some(m.slice(&clock, 0, bits)))
         }
     };
-    let done = m.wire("column_is_done", &at_z & m.select(vertex, &ends_turn, &last));
+    // A clock before.
+    let at_last = |clocks: i128| m.all(&[&sends, &at_z, &m.is(&clock, clocks - 2)]);
+    let all_slices = if slices == 1 { &ends_turn & m.is(&axis, 1) } else { at_last(slices) };
+    let done = flag("column_is_done");
+    m.always(&done, m.select(vertex, at_last(period), &all_slices));
     m.on(starts, &sends, m.bit(true));
     m.on(&done, &sends, m.bit(false));
     let whole = m.wire("column_is_whole", &last & &at_z);

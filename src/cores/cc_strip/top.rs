@@ -71,7 +71,7 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
         ],
     );
     if let Some(goes) = goes {
-        m.drive(&goes, m.wire("word_goes", &input.valid & loader.out("ready")));
+        m.drive(&goes, loader.out("ready"));
     }
     m.output("s_axis_tready", free.unwrap_or(loader.out("ready")));
     let level = loader.out("level");
