@@ -26,8 +26,8 @@ test: ## Run everything: format, lints, all tests (the slow ones too)
 	@sh tools/install.sh ecp5
 	$(CARGO) fmt --all --check
 	$(CARGO) clippy --all-targets --locked -- -D warnings
-	$(CARGO) test --release --locked --no-fail-fast --lib --bins --tests
-	$(CARGO) test --release --locked --doc
+	$(CARGO) test --profile quick --locked --no-fail-fast --lib --bins --tests
+	$(CARGO) test --profile quick --locked --doc
 
 lint: ## Check format and lints
 	$(CARGO) fmt --all --check

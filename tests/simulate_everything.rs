@@ -1,5 +1,6 @@
 //! The main job over everything: every simulator, every triangle shape and mesh, levels 0 to 6, with and
-//! without stalls, through the program as its user starts it.
+//! without stalls, through the program as its user starts it. Icarus, to which level 6 is ten times as long as to the
+//! others, runs it with stalls or without them, in turn from mesh to mesh.
 //!
 //! Each run must report no mismatch, no crack, every vertex of the subdivided mesh exactly once, and an
 //! error within its bound. Runs need tools; what is missing is skipped with a line that says so.
@@ -73,13 +74,13 @@ fn check(run: &Run) -> Result<(), String> {
 }
 
 /// The runs of one simulator, on all cores.
-fn everything(simulator: &'static str, stalls: &[(&'static str, &'static str)]) {
+fn everything(simulator: &'static str) {
     let mut runs = vec![];
     for level in LEVELS.rev() {
-        for source in sources() {
-            for &stalls in stalls {
-                runs.push(Run { source: source.clone(), level, stalls, simulator });
-            }
+        for (number, source) in sources().into_iter().enumerate() {
+            let both = simulator != "icarus" || level < *LEVELS.end();
+            let stalls = STALLS.into_iter().enumerate().filter(|(at, _)| both || at % 2 == number % 2);
+            runs.extend(stalls.map(|(_, stalls)| Run { source: source.clone(), level, stalls, simulator }));
         }
     }
     let (next, failures) = (AtomicUsize::new(0), Mutex::new(vec![]));
@@ -119,19 +120,19 @@ fn installed(tool: &str, question: &str) -> bool {
 
 #[test]
 fn the_built_in_simulator_agrees_with_the_reference_everywhere() {
-    everything("builtin", &STALLS);
+    everything("builtin");
 }
 
 #[test]
 fn verilator_agrees_with_the_reference_everywhere() {
     if installed("verilator", "--version") {
-        everything("verilator", &STALLS);
+        everything("verilator");
     }
 }
 
 #[test]
 fn icarus_agrees_with_the_reference_everywhere() {
     if installed("iverilog", "-V") {
-        everything("icarus", &STALLS);
+        everything("icarus");
     }
 }

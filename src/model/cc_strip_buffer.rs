@@ -28,6 +28,8 @@ pub(super) struct Buffered {
     unasked: u32,
     behind: Behind,
     free: u32,
+    /// What is issued into a deep one counts a clock later.
+    seen: Option<bool>,
     issued: bool,
     taken: bool,
     pub(super) room: bool,
@@ -94,7 +96,8 @@ impl Buffered {
                 Behind::Near(Box::new(near))
             }
         };
-        Buffered::before(behind, words, unasked)
+        let seen = near.map(|_| false);
+        Buffered { seen, ..Buffered::before(behind, words, unasked) }
     }
 
     fn before(behind: Behind, words: u32, unasked: u32) -> Buffered {
@@ -105,6 +108,7 @@ impl Buffered {
             unasked,
             behind,
             free: words,
+            seen: None,
             issued: false,
             taken: false,
             room: true,
@@ -127,6 +131,7 @@ impl Buffered {
         self.way.push_front(issue);
         let push = self.way.pop_back().unwrap_or(false);
         self.stored = self.stored + u32::from(push) - u32::from(take);
+        let issue = self.seen.as_mut().map_or(issue, |seen| std::mem::replace(seen, issue));
         self.room = self.free > RESERVE + self.unasked;
         self.empty = self.free == self.words && !self.issued && !issue;
         self.free = self.free + u32::from(self.taken) - u32::from(self.issued);

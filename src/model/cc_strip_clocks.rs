@@ -17,9 +17,9 @@
 //! - A registered core sends into a buffer whose room is known a clock late; what is sent comes there, and counts,
 //!   later still. All is settled when every place of the buffer is free again.
 //! - Where the ends of columns are walked around, that takes its clocks from the first slice of a vertex column on; so
-//!   long nothing comes in. There a word is looked at for two clocks, taken a clock after it may be
-//!   from where it waits, and none comes before it has gone; it counts a clock after that, a column a clock after it was whole, and
-//!   nothing is taken while that has not counted; and a level asks for room for a whole column, a clock before its first slice.
+//!   long nothing comes in. There a word is looked at from its third clock on, taken two clocks after it may
+//!   be from where it waits, and none comes before it has gone; it counts two clocks after that, a column a clock after it was whole, and
+//!   nothing is taken while that has not counted; and a level asks for room for a whole column, two clocks before its first slice.
 //! - Where a level works on x, y and z in turn, each has its slices in the first clocks of a period, in which the
 //!   ends are walked around; the next level has the column with the last slice of z, the output has it slice by
 //!   slice with those. A vertex column takes all three periods, a face column until then.
@@ -29,6 +29,7 @@
 use super::cc_strip::schedule::Schedule;
 pub use super::cc_strip_buffer::Buffer;
 use super::cc_strip_buffer::Buffered;
+use super::cc_strip_levels::{Arrival, Level, Rests};
 
 /// What the core is made of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -105,41 +106,6 @@ struct Word {
     last: bool,
 }
 
-/// A column on its way into a level.
-#[derive(Clone, Copy)]
-struct Arrival {
-    first: bool,
-    last: bool,
-}
-
-#[derive(Clone, Copy, Default)]
-struct Level {
-    /// Columns left to send; with two, a vertex column and a face column.
-    columns: u32,
-    age: u32,
-    guarded: bool,
-    slices: u32,
-    /// Clocks from a coordinate to the next, where they take turns.
-    period: u32,
-    double: bool,
-    /// Clocks of the walk that are left.
-    walk: u32,
-    /// Where rooms are asked for: a column is on its way; one is here and does not count yet.
-    sends: bool,
-    comes: Option<Arrival>,
-}
-
-impl Level {
-    fn arrives(&mut self, arrival: Arrival) {
-        match (arrival.first, self.age) {
-            (true, _) => self.age = 0,
-            (_, 0) => (self.age, self.columns) = (1, u32::from(!self.double)),
-            _ => (self.age, self.columns) = (2, if self.double { 1 } else { 2 }),
-        }
-        self.guarded = arrival.last;
-    }
-}
-
 struct Machine {
     core: Core,
     levels: Vec<Level>,
@@ -153,13 +119,14 @@ struct Machine {
     buffered: Option<Buffered>,
     /// Of a registered core: all was settled a clock ago, and nothing came in.
     was_idle: bool,
-    /// The same of two clocks ago, after which it is known where ends are walked around.
-    known_idle: bool,
+    /// What that comes from where ends are walked around.
+    rests: Rests,
     /// A word that waits, for so many clocks; one that does not count yet.
     waits: Option<(Word, u32)>,
-    taken: Option<Word>,
-    /// The word that waits is taken in this clock.
+    taken: [Option<Word>; 2],
+    /// The word that waits is taken in this clock; it may be, as it was known a clock ago.
     goes: bool,
+    may_go: bool,
     /// Of the clock before.
     had_room: bool,
 }
@@ -202,10 +169,11 @@ impl Machine {
             pipeline,
             buffered,
             was_idle: true,
-            known_idle: true,
+            rests: Rests { levels: [true; 2], buffer: true, quiet: true, came: [false; 3] },
             waits: None,
-            taken: None,
+            taken: [None; 2],
             goes: false,
+            may_go: false,
             had_room: false,
         }
     }
@@ -239,6 +207,7 @@ impl Machine {
         // Who sends, from the output backwards; and what that means for the one before.
         let walks = self.walks();
         let (mut serves, mut starts): (Vec<Option<usize>>, Vec<usize>) = (vec![], vec![]);
+        let mut may = vec![];
         let mut next_ready = false;
         for (range, slice, active) in self.units.iter().rev() {
             let can = |level: &usize| {
@@ -252,8 +221,9 @@ impl Machine {
             let serve = match (walks, range.start) {
                 (false, _) => range.clone().rev().find(can),
                 (true, level) => {
-                    let sends = self.levels[level].sends;
-                    starts.extend(Some(level).filter(|level| !sends && can(level)));
+                    let Level { sends, may_send, columns, .. } = self.levels[level];
+                    starts.extend(Some(level).filter(|_| columns > 0 && !sends && may_send));
+                    may.push(if level + 1 == self.wanted { output_ready } else { next_ready && !sends });
                     Some(level).filter(|_| sends)
                 }
             };
@@ -271,15 +241,11 @@ impl Machine {
         let empty = self.buffered.as_ref().is_none_or(|buffered| buffered.empty);
         let idle =
             self.levels.iter().all(|level| level.columns == 0 && level.comes.is_none()) && !stage && empty;
-        let settles = match (walks, self.core.buffer.is_some()) {
-            (true, _) => self.known_idle,
-            (false, true) => self.was_idle,
-            (false, false) => idle,
-        };
+        let settles = if self.core.buffer.is_some() { self.was_idle } else { idle };
 
         let enters = walks && self.waits.is_none();
         let looked_at =
-            if walks { self.waits.filter(|(_, clocks)| *clocks > 0).map(|(word, _)| word) } else { offered };
+            if walks { self.waits.filter(|(_, clocks)| *clocks > 1).map(|(word, _)| word) } else { offered };
         let goes = std::mem::take(&mut self.goes);
         let word = looked_at.filter(|word| {
             let dropped = self.dropping || (word.first && (word.level == 0 || word.level > self.core.levels));
@@ -288,12 +254,14 @@ impl Machine {
             let room = if walks { self.had_room } else { next_ready };
             goes || dropped || (room && settled)
         });
-        self.goes = walks && word.is_some() && !goes;
+        let judged = self.waits.is_some_and(|(_, clocks)| clocks > 2);
+        self.goes = walks && judged && self.may_go && !goes;
+        self.may_go = word.is_some();
         let word = word.filter(|_| !walks || goes);
 
         // The edge.
-        self.known_idle = self.was_idle && self.taken.is_none();
-        self.was_idle = idle;
+        let levels_rest = self.levels.iter().all(|level| level.columns == 0 && level.comes.is_none());
+        self.was_idle = if walks { self.rests.all() } else { idle };
         self.had_room = next_ready;
         let (mut reaches, mut arrivals) = (None, vec![]);
         self.levels.iter_mut().for_each(|level| level.walk = level.walk.saturating_sub(1));
@@ -334,21 +302,23 @@ impl Machine {
             }
         }
         starts.into_iter().for_each(|level| self.levels[level].sends = true);
+        let levels = self.levels.iter_mut().zip(may.into_iter().rev());
+        levels.for_each(|(level, may)| level.may_send = may);
         // A level may take a column in the clock in which it sends its last.
         for level in &mut self.levels {
             level.comes.take().into_iter().for_each(|arrival| level.arrives(arrival));
         }
         arrivals.into_iter().for_each(|(level, arrival)| self.comes(level, arrival));
         self.finish(reaches, advance, ready);
-        if let Some(taken) = self.taken.take() {
-            self.was_idle = false;
-            self.counts(taken);
-        }
+        let [first, second] = self.taken;
+        self.taken = [None, first];
+        second.into_iter().for_each(|word| self.counts(word));
+        let mut came = false;
         if let Some(word) = word {
             let dropped = self.dropping || (word.first && (word.level == 0 || word.level > self.core.levels));
             self.dropping = dropped && !word.last;
             self.was_idle &= dropped;
-            self.known_idle &= dropped;
+            came = !dropped;
             if !dropped {
                 if word.first && self.wanted != word.level as usize {
                     self.wanted = word.level as usize;
@@ -357,12 +327,14 @@ impl Machine {
                     }
                 }
                 match walks {
-                    true => self.taken = Some(word),
+                    true => self.taken[0] = Some(word),
                     false => self.counts(word),
                 }
             }
         }
         if walks {
+            self.was_idle &= !came && !self.rests.came.contains(&true);
+            self.rests.clock(levels_rest, empty, came);
             self.waits = match self.waits {
                 None => offered.map(|word| (word, 0)),
                 Some(_) if word.is_some() => None,

@@ -13,6 +13,7 @@
 pub mod cc_strip;
 mod cc_strip_buffer;
 pub mod cc_strip_clocks;
+mod cc_strip_levels;
 pub mod float;
 pub mod lane_clocks;
 pub mod loop_fd;

@@ -31,7 +31,7 @@ pub fn log_depth(delay: u32) -> u32 {
     (delay + 12).next_power_of_two().ilog2()
 }
 
-impl Output<'_> {
+impl<'a> Output<'a> {
     /// The stream behind the buffer; whether there is room for one more column, and whether nothing is on its way.
     pub(super) fn buffered(&self, consumer: &Signal) -> Result<(Standing, Signal, Signal)> {
         let m = self.m;
@@ -49,7 +49,12 @@ impl Output<'_> {
             offer.control.out("out_output")
                 & !(offer.control.out("out_first") | offer.control.out("out_last"))
         };
-        let issue = m.wire("issue", any(self.offers.iter().map(seen).collect()));
+        // Where ends are walked around, the levels lie far apart: what they issue counts a clock later.
+        let counts = |(offer, level): (&Offer, usize)| match walked {
+            true => m.restart(&m.pipe_reset(format!("issued_at_level_{level}"), seen(offer), 0), 0),
+            false => seen(offer),
+        };
+        let issue = m.wire("issue", any(self.offers.iter().zip(1..).map(counts).collect()));
 
         // From here on the flag beside it says when a column is there.
         let here = |signal: &Signal| m.restart(signal, 0);
@@ -68,9 +73,11 @@ impl Output<'_> {
             &self.is[level - 1] & &here(&m.wire(format!("{LEAVES}{level}"), &flag))
         });
         let push = m.wire("column_leaves", any(leaves.collect()));
-        let ends = m.wire("column_ends", of_level("ends_at_level_", &|offer| offer.control.out("out_ends")));
+        let stage =
+            |name: &str, signal: Signal| if walked { m.pipe(name, signal) } else { m.wire(name, signal) };
+        let ends = stage("column_ends", of_level("ends_at_level_", &|offer| offer.control.out("out_ends")));
         let ending =
-            m.wire("column_is_last", of_level("last_at_level_", &|offer| offer.control.out("out_ending")));
+            stage("column_is_last", of_level("last_at_level_", &|offer| offer.control.out("out_ending")));
         let columns: Vec<[Outgoing; 3]> = self
             .offers
             .iter()
@@ -99,8 +106,8 @@ impl Output<'_> {
         let log_depth = log_depth(delay + rounding + unasked);
 
         // A FIFO for the flags and one for each coordinate of each row, all with a `push` of their own.
-        let push = m.delay_reset(&push, rounding - 1, 0);
-        let fifo = |name: &str, lanes: &[(&str, Signal)]| -> Result<Placed> {
+        let push = m.delay_reset(&push, rounding - 2, 0);
+        let fifo = |name: &str, push: &Signal, lanes: &[(&str, Signal)]| -> Result<Placed> {
             let shapes: Vec<(&str, Word)> =
                 lanes.iter().map(|(lane, signal)| (*lane, signal.word())).collect();
             let kind = match (name, lanes.len()) {
@@ -110,7 +117,7 @@ impl Output<'_> {
             };
             let unit = buffer::row(&format!("{kind}_buffer"), log_depth, self.parameters.walked(), &shapes)?;
             let mut inputs = vec![
-                ("push".to_string(), here(&m.unmerged(m.pipe_reset(format!("push_{name}"), &push, 0)))),
+                ("push".to_string(), here(&m.unmerged(m.pipe_reset(format!("push_{name}"), push, 0)))),
                 ("ready".into(), consumer.clone()),
             ];
             for (lane, signal) in lanes {
@@ -119,9 +126,10 @@ impl Output<'_> {
             let inputs: Vec<(&str, &Signal)> = inputs.iter().map(|(n, s)| (n.as_str(), s)).collect();
             Ok(m.instance(&format!("{name}_buffer"), &unit, &inputs))
         };
+        let push_row = |name: &str| m.unmerged(m.pipe_reset(format!("push_of_{name}"), &push, 0));
         let mut flags = vec![("strip_end", m.wire("ends_strip", &ending & &ends))];
         flags.extend(sliced.then(|| ("column_end", ends.clone())));
-        let flags = fifo("flags", &flags)?;
+        let flags = fifo("flags", &push_row("flags"), &flags)?;
         let credits = m.instance(
             "room",
             &buffer::credits(log_depth, unasked)?,
@@ -142,6 +150,7 @@ impl Output<'_> {
         let mut vertices = vec![];
         for row in 0..lanes {
             let name = format!("row{row}");
+            let push = push_row(&name);
             let mut into: Vec<(&str, Signal)> = vec![];
             for (axis, letter) in AXES.into_iter().enumerate() {
                 let of = |in_turn: bool| {
@@ -150,9 +159,7 @@ impl Output<'_> {
                     };
                     let chosen = format!("{name}_{letter}_{}", if in_turn { "in_turn" } else { "at_once" });
                     let any = self.offers.iter().any(|offer| of(offer).is_some());
-                    any.then(|| {
-                        if walked { m.pipe(chosen, self.aligned(row, of)) } else { self.aligned(row, of) }
-                    })
+                    any.then(|| if walked { self.chosen(&chosen, row, of) } else { self.aligned(row, of) })
                 };
                 let aligned = match (of(true), of(false)) {
                     (Some(turns), Some(other)) => {
@@ -176,7 +183,7 @@ impl Output<'_> {
             for (letter, coordinate) in into {
                 let more = if fifos.is_empty() { &present[..] } else { &[] };
                 let lanes = [&[(letter, coordinate)][..], more].concat();
-                fifos.push(fifo(&format!("{name}_{letter}"), &lanes)?);
+                fifos.push(fifo(&format!("{name}_{letter}"), &push, &lanes)?);
             }
             vertices.push(Vertex {
                 name,
@@ -192,5 +199,36 @@ impl Output<'_> {
             last_row: None,
         };
         Ok((standing, credits.out("has_room"), credits.out("empty")))
+    }
+
+    /// A vertex of the level of the strip, the choice among two levels before that among the rest.
+    fn chosen<'b>(
+        &'b self,
+        name: &str,
+        row: usize,
+        of: impl Fn(&'b Offer<'a>) -> Option<&'b Signal>,
+    ) -> Signal {
+        let m = self.m;
+        let is = |level: u32, time: u32| m.restart(&self.is[level as usize - 1], time);
+        let levels = self.aligned_levels(row, of);
+        let pairs = levels.chunks(2).map(|pair| match pair {
+            [(_, finer), (level, coarser)] => {
+                let chosen = m.select(&is(*level, finer.time().unwrap_or(0)), coarser, finer);
+                m.pipe(format!("{name}_{level}"), &chosen)
+            }
+            _ => m.pipe(format!("{name}_{}", pair[0].0), &pair[0].1),
+        });
+        let mut pairs = levels.chunks(2).zip(pairs);
+        let first = pairs.next().map(|(_, chosen)| chosen);
+        let first = first.unwrap_or_else(|| m.constant(0, self.parameters.word(self.parameters.levels)));
+        let rest = pairs.fold(first, |other, (pair, chosen)| {
+            let here: Vec<Signal> = pair.iter().map(|(level, _)| is(*level, 0)).collect();
+            let here = match here.as_slice() {
+                [one] => one.clone(),
+                both => m.any(&both.iter().collect::<Vec<_>>()),
+            };
+            m.select(&m.restart(&here, chosen.time().unwrap_or(0)), &chosen, &other)
+        });
+        m.pipe(name, &rest)
     }
 }

@@ -15,7 +15,7 @@ use crate::error::Result;
 use crate::hdl::{Builder, Module, Relation, Signal, Word};
 
 /// Inputs: the stream (`valid`, `user`, `last`), `taken` (level 0 has room) and `idle` (nothing is to leave any
-/// level). Outputs: `ready`, `comes` (a word comes), `accept` (it goes into the window, in a walked core a clock later), one `write_..` for each place, `begins`,
+/// level). Outputs: `ready`, `comes` (a word comes), `accept` (it goes into the window, in a walked core two clocks later), one `write_..` for each place, `begins`,
 /// `ends`, `first`, `last_column`, the valences, and the `level` of the strip.
 pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
     let m = Builder::new("column_loader");
@@ -34,7 +34,7 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
     let none = m.is(&wanted, 0);
     let possible = m.wire("possible", !&none & m.compare(Relation::LessOrEqual, &wanted, &most));
     let same = m.wire("same_level", m.compare(Relation::Equal, &wanted, &level));
-    // In a walked core a word stands for a clock before it is judged.
+    // In a walked core a word stands for some clocks before it is judged.
     let judged = |name: &str, signal: Signal| match parameters.walked() {
         true => m.restart(&m.pipe(name, &signal), 0),
         false => signal,
@@ -45,18 +45,18 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
     // Words are so far apart there that the room of the clock before is known to be that of now.
     let taken = judged("has_room", taken);
     let ready = m.wire("ready", &dropped | (&taken & &settled));
-    let moves = m.wire("moves", &valid & &ready);
-    let accept = m.wire("accept", m.all(&[&valid, &!&dropped, &taken, &settled]));
-    // A word of a walked core is still there in the clock after it was judged, and goes then.
+    let accepts = m.wire("accepts", m.all(&[&!&dropped, &taken, &settled]));
+    // There a word stands still for a clock after it is known that it may go, and for another one in which it goes.
     let (moves, accept) = match parameters.walked() {
         true => {
-            let goes = m.register_reset("goes", Word::bit(), 0);
-            m.always(&goes, &moves & !&goes);
-            let accepts = m.register_reset("accepts", Word::bit(), 0);
-            m.always(&accepts, &accept & !&goes);
-            (goes, accepts)
+            let [ready, accepts] = [("may_go", &ready), ("may_be_accepted", &accepts)]
+                .map(|(name, may)| m.restart(&m.pipe(name, may), 0));
+            let [moves, accept] = ["goes", "is_accepted"].map(|name| m.register_reset(name, Word::bit(), 0));
+            m.always(&moves, m.all(&[&valid, &ready, &!&moves]));
+            m.always(&accept, m.all(&[&valid, &accepts, &!&moves]));
+            (moves, accept)
         }
-        false => (moves, accept),
+        false => (m.wire("moves", &valid & &ready), m.wire("accept", &valid & &accepts)),
     };
     m.on(&(&accept & &starts), &level, &wanted);
     m.on(&(&moves & &last), &starts, m.bit(true));
@@ -71,21 +71,20 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
     m.on(&(&accept & &last), &first, m.bit(true));
     m.on(&(&accept & &complete), &first, m.bit(false));
 
-    // In a walked core what follows from a word stands in registers, a clock later.
+    // In a walked core what a word is stands in registers, and what follows from that a clock later.
     let walked = parameters.walked();
     let late = |name: &str, signal: &Signal, reset: i128| match walked {
         true => m.restart(&m.pipe_reset(name, signal, reset), 0),
         false => signal.clone(),
     };
-    let ends = late("ends", &complete, 0);
-    let last_column = late("last_column", &last, 0);
-    let [role, valence] = [("role", role), ("valence", valence)].map(|(name, word)| late(name, &word, 0));
-    let fresh = late("begins", &fresh, 1);
-    let first = late("of_left_guard", &first, 1);
     let comes = accept;
     let accept = late("accepted", &comes, 0);
-    let is =
-        |r: Role| m.wire(format!("is_{}", format!("{r:?}").to_lowercase()), &accept & m.is(&role, r as i128));
+    let is = |r: Role| {
+        let name = format!("is_{}", format!("{r:?}").to_lowercase());
+        let is = m.wire(format!("{name}_here"), &comes & m.is(&role, r as i128));
+        late(&name, &is, 0)
+    };
+    let fresh = late("begins", &fresh, 1);
     let [vertex, fan, left, right] = [Role::Vertex, Role::Fan, Role::OutsideLeft, Role::OutsideRight].map(is);
     // The end of the column that the words belong to: the first vertex is the top one.
     let at_bottom = m.register_reset("at_bottom", Word::bit(), 0);
@@ -100,7 +99,8 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
     m.on(&fan, &index, m.wrap(&index + 1, entry));
 
     let write = |place: String, when: &Signal| {
-        m.output(format!("write_{place}"), m.wire(format!("write_{place}"), when));
+        let name = format!("write_{place}");
+        m.output(name.clone(), if walked { late(&name, when, 0) } else { m.wire(name, when) });
     };
     write("row_0".into(), &top_vertex);
     write("row_1".into(), &bottom_vertex);
@@ -115,19 +115,23 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
             write(format!("{}_{place}", end.name()), &when);
         }
     }
+    let twice = |name: &str, signal: &Signal, reset: i128| {
+        late(&format!("{name}_late"), &late(name, signal, reset), reset)
+    };
+    let valence = twice("valence", &valence, 0);
     for (end, vertex) in [("top", &top_vertex), ("bottom", &bottom_vertex)] {
         let kept = m.register(format!("{end}_valence"), Word::unsigned(VALENCE_BITS));
-        m.on(vertex, &kept, &valence);
+        m.on(&late(&format!("{end}_vertex_late"), vertex, 0), &kept, &valence);
         m.output(format!("{end}_valence"), &kept);
     }
     // What moves by a register does not ask the word.
     m.output("ready", if parameters.walked() { &moves } else { &ready });
-    m.output("comes", &comes);
-    m.output("accept", &accept);
-    m.output("begins", &fresh);
-    m.output("ends", &ends);
-    m.output("first", &first);
-    m.output("last_column", &last_column);
+    m.output("comes", m.wire("comes", &comes | &accept));
+    m.output("accept", late("accepted_late", &accept, 0));
+    m.output("begins", late("begins_late", &fresh, 1));
+    m.output("ends", twice("ends", &complete, 0));
+    m.output("first", twice("of_left_guard", &first, 1));
+    m.output("last_column", twice("last_column", &last, 0));
     m.output("level", &level);
     m.finish()
 }

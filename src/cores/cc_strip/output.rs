@@ -287,22 +287,32 @@ impl<'a> Output<'a> {
         row: usize,
         of: impl Fn(&'b Offer<'a>) -> Option<&'b Signal>,
     ) -> Signal {
-        let (m, p) = (self.m, self.parameters);
-        let finest = p.word(p.levels);
         let mut chosen: Option<Signal> = None;
-        for level in (1..=p.levels).rev() {
-            let Some((offer, cells)) = self.offer(level) else { continue };
-            let Some(vertex) = (row <= 2 * cells as usize).then(|| of(offer)).flatten() else { continue };
-            // The number of a column of this level, which its unit has been proved to make.
-            let number = m.wrap(vertex, p.word(level));
-            let aligned = m.signal(&number << (p.extra_fraction(p.levels) - p.extra_fraction(level)));
-            let aligned = m.rescale(&aligned, finest.fraction);
+        for (level, aligned) in self.aligned_levels(row, of) {
             chosen = Some(match chosen {
-                Some(other) => m.select(&self.is[level as usize - 1], &aligned, &other),
+                Some(other) => self.m.select(&self.is[level as usize - 1], &aligned, &other),
                 None => aligned,
             });
         }
         // Every row belongs to the finest level that has it.
-        chosen.unwrap_or_else(|| m.constant(0, finest))
+        chosen.unwrap_or_else(|| self.m.constant(0, self.parameters.word(self.parameters.levels)))
+    }
+
+    /// The same of each level, the finest first.
+    pub(super) fn aligned_levels<'b>(
+        &'b self,
+        row: usize,
+        of: impl Fn(&'b Offer<'a>) -> Option<&'b Signal>,
+    ) -> Vec<(u32, Signal)> {
+        let (m, p) = (self.m, self.parameters);
+        let aligned = |level: u32| {
+            let (offer, cells) = self.offer(level)?;
+            let vertex = (row <= 2 * cells as usize).then(|| of(offer)).flatten()?;
+            // The number of a column of this level, which its unit has been proved to make.
+            let number = m.wrap(vertex, p.word(level));
+            let aligned = m.signal(&number << (p.extra_fraction(p.levels) - p.extra_fraction(level)));
+            Some((level, m.rescale(&aligned, p.word(p.levels).fraction)))
+        };
+        (1..=p.levels).rev().filter_map(aligned).collect()
     }
 }

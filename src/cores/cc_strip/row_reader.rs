@@ -31,7 +31,7 @@ pub fn bank_of(column: usize, next: u32) -> u32 {
     (next + 1 + column as u32) % BANKS
 }
 
-/// Inputs: `shift`, `write_p` for every slice that comes in, its rows `row_0` and `row_1` a clock later, the `slice`
+/// Inputs: `shift`, `comes` and `from`: a slice comes in, and which; its rows `row_0` and `row_1` a clock later, the `slice`
 /// that leaves. Outputs: `.._read`, row `slice` + 2 of each column, where it is none of the last.
 pub fn build(parameters: Parameters, level: u32) -> Result<Rc<Module>> {
     let m = Builder::new(&format!("row_reader_{level}"));
@@ -39,7 +39,8 @@ pub fn build(parameters: Parameters, level: u32) -> Result<Rc<Module>> {
     let word = parameters.word(level);
     let shift = m.input("shift", Word::bit());
     let half = 1u32 << (level - 1);
-    let writes: Vec<Signal> = (0..half).map(|p| m.input(format!("write_{p}"), Word::bit())).collect();
+    let comes = m.input("comes", Word::bit());
+    let from = m.input("from", Word::unsigned(level - 1));
     let rows = [0, 1].map(|u| m.input_at(format!("row_{u}"), word, 1));
     let slice = m.input("slice", Word::unsigned(level));
 
@@ -47,15 +48,7 @@ pub fn build(parameters: Parameters, level: u32) -> Result<Rc<Module>> {
     m.on(&(&shift & m.is(&bank, i128::from(BANKS) - 1)), &bank, m.constant(0, bank.word()));
     m.on(&shift, &bank, m.wrap(&bank + 1, bank.word()));
 
-    let some = |name: String, of: &dyn Fn(u32) -> bool| {
-        let writes: Vec<&Signal> = (0..half).filter(|p| of(*p)).map(|p| &writes[p as usize]).collect();
-        m.pipe(name, m.any(&writes))
-    };
-    let comes = m.wire("comes", m.any(&writes.iter().collect::<Vec<_>>()));
-    let bits: Vec<Signal> =
-        (0..level - 1).map(|bit| some(format!("written_{bit}"), &|p| p >> bit & 1 == 1)).collect();
-    let bits: Vec<&Signal> = bits.iter().rev().collect();
-    let written = m.concat(&bits);
+    let written = m.pipe("written", &from);
     // Two rows further than the slice: even and odd ones of the same number lie side by side.
     let half_word = Word::unsigned(level - 1);
     let asked = m.pipe("asked", m.wrap(&m.slice(&slice, 1, level - 1) + 1, half_word));

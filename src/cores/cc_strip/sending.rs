@@ -83,9 +83,15 @@ pub fn in_turn(m: &Builder, group: &Group, starts: &Signal, vertex: &Signal, per
     m.always(&first, starts);
     let clock = m.register_reset(PERIOD, Word::range(0, period - 1), 0);
     let axis = m.register_reset("axis", axis_word(), 0);
-    m.always(&ends_turn, &sends & m.is(&clock, period - 2));
+    let ending = m.wire("turn_is_ending", &sends & m.is(&clock, period - 2));
+    m.always(&ends_turn, &ending);
+    // A column that begins or goes on, but not to another turn.
+    let restarts = m.register_reset("clock_restarts", Word::bit(), 1);
+    let done = flag("column_is_done");
+    let goes_on = starts | &(&sends & !&done);
+    m.always(&restarts, !&goes_on | &ending);
     let zero = m.constant(0, clock.word());
-    m.on(&(&ends_turn | !&sends), &clock, &zero);
+    m.on(&restarts, &clock, &zero);
     m.always(&clock, m.wrap(&clock + 1, clock.word()));
     m.on(&!&sends, &axis, m.constant(0, axis.word()));
     m.on(&(&ends_turn & !&at_z), &axis, m.wrap(&axis + 1, axis.word()));
@@ -108,7 +114,6 @@ pub fn in_turn(m: &Builder, group: &Group, starts: &Signal, vertex: &Signal, per
     // A clock before.
     let at_last = |clocks: i128| m.all(&[&sends, &at_z, &m.is(&clock, clocks - 2)]);
     let all_slices = if slices == 1 { &ends_turn & m.is(&axis, 1) } else { at_last(slices) };
-    let done = flag("column_is_done");
     m.always(&done, m.select(vertex, at_last(period), &all_slices));
     m.on(starts, &sends, m.bit(true));
     m.on(&done, &sends, m.bit(false));

@@ -74,7 +74,9 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
         m.drive(&goes, loader.out("ready"));
     }
     m.output("s_axis_tready", free.unwrap_or(loader.out("ready")));
+    // It stands long before a column of its strip leaves.
     let level = loader.out("level");
+    let level = if parameters.walked() { m.restart(&m.pipe("level_late", &level), 0) } else { level };
 
     // A word waits until it is known what it is.
     let words: Vec<Signal> = input
@@ -82,7 +84,9 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
         .iter()
         .zip(AXES)
         .map(|(word, axis)| match parameters.walked() {
-            true => m.restart(&m.pipe(format!("late_word_{axis}"), word), 0),
+            true => {
+                m.restart(&m.pipe(format!("later_word_{axis}"), m.pipe(format!("late_word_{axis}"), word)), 0)
+            }
             false => word.clone(),
         })
         .collect();
@@ -185,11 +189,22 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
     let mut settled: Vec<Signal> = stages.iter().map(|stage| stage.control.out("idle")).collect();
     settled.push(empty);
     let comes = m.wire("comes_in", loader.out("comes") | loader.out("accept"));
+    let mut comes = comes;
     if parameters.walked() {
-        // All of one clock, from wherever they are to a register beside the loader's.
-        settled.push(m.wire("comes_not", !&comes));
-        let known = |(at, now): (usize, &Signal)| m.restart(&m.pipe_reset(format!("rests_{at}"), now, 1), 0);
-        settled = settled.iter().enumerate().map(known).collect();
+        // From wherever they are to a register beside the loader's; what is issued counts a clock later than a level
+        // that rests, and a word a clock later than it comes.
+        let accepted = m.restart(&m.pipe_reset("came_in", loader.out("accept"), 0), 0);
+        comes = m.wire("comes_or_came", &comes | &accepted);
+        let known = |at: usize, now: &Signal, clocks: u32| {
+            m.restart(&m.delay_reset(&m.wire(format!("rests_{at}"), now), clocks, 1), 0)
+        };
+        let levels = settled.len() - 1;
+        settled = settled
+            .iter()
+            .enumerate()
+            .map(|(at, now)| known(at, now, if at < levels { 2 } else { 1 }))
+            .collect();
+        settled.push(known(levels + 1, &!&comes, 1));
     }
     let all_idle = m.wire("all_idle", m.all(&settled.iter().collect::<Vec<_>>()));
     if parameters.registered {
@@ -256,7 +271,12 @@ fn incoming(
         1 => vec![],
         _ => (0..slices.ilog2()).map(|at| m.slice(&stage.control.out("slice"), at, 1)).collect(),
     };
-    for p in 0..slices {
+    let reads_rows = parameters.reads_rows(level);
+    if reads_rows {
+        ports.push(("in_comes".to_string(), write.clone()));
+        ports.push(("in_from".to_string(), stage.control.out("slice")));
+    }
+    for p in (0..slices).filter(|p| !reads_rows || *p == 0 || p + 1 == slices) {
         let here = equals(m, &bits, p);
         ports.push((format!("in_write_{p}"), here.map_or(write.clone(), |here| &write & &here)));
     }
@@ -286,8 +306,10 @@ fn steer_late(
     ports: &[(String, Signal)],
 ) -> Vec<Signal> {
     let early = ports.iter().filter(|(_, signal)| is_early(signal, clock));
-    let signals: Vec<(String, Signal)> =
-        early.map(|(port, signal)| (format!("{port}_{index}"), signal.clone())).collect();
+    // A register before each RAM.
+    let signals: Vec<(String, Signal)> = early
+        .map(|(port, signal)| (format!("{port}_{index}"), m.pipe(format!("{port}_{index}_sent"), signal)))
+        .collect();
     let late = waits.until(&format!("steering_slot_{index}"), &signals, clock);
     signals.iter().zip(late).map(|((name, _), signal)| m.wire(format!("{name}_steers"), &signal)).collect()
 }

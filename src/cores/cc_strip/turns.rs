@@ -15,7 +15,7 @@ pub const OWNER: &str = "owner";
 
 /// Whether a port is for the coordinate that comes in.
 pub fn is_owned(port: &str) -> bool {
-    port == "in_shift" || port.starts_with("in_write_")
+    ["in_shift", "in_comes"].contains(&port) || port.starts_with("in_write_")
 }
 
 /// What comes in.

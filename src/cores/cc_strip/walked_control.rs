@@ -5,7 +5,7 @@
 //!                                        └──► the next level, whose column is whole with the last slice
 //! ```
 //!
-//! Whether a column may leave is asked once, in the clock before its first slice. See [`super::control`] for the order
+//! Whether a column may leave is asked once, two clocks before its first slice. See [`super::control`] for the order
 //! of the columns, and for the ports.
 
 use std::rc::Rc;
@@ -32,14 +32,15 @@ pub fn build(index: usize, group: &Group, walks: u32) -> Result<Rc<Module>> {
     // The level of a strip stands before its first column leaves.
     let here = m.pipe("goes_to_output", m.is(&wanted, i128::from(l) + 1));
     let to_output = m.restart(&here, 0);
-    let target = m.select(&to_output, &output_ready, &next_ready);
-
     let start = m.forward("starts", Word::bit());
     let sending = match group.in_turn {
         true => sending::in_turn(&m, group, &start, &level.vertex, period),
         false => sending::at_once(&m, group, &start),
     };
     let Sending { sends, leaves, begins, starts, whole: sent, done, slice, axis } = sending;
+    // The next level knows of a column a clock after that was whole.
+    let target = m.register_reset("may_send", Word::bit(), 0);
+    m.always(&target, m.select(&to_output, &output_ready, &next_ready & !&sends));
     m.drive(&start, m.wire("begins_to_send", m.all(&[&level.leaves, &!&sends, &target])));
 
     // The window stands as long as its ends are being looked at.

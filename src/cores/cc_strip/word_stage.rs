@@ -1,10 +1,10 @@
 //! The word that waits before the loader of a walked core.
 //!
 //! ```text
-//! s_axis ──► word, full ──► judged: the loader has had a clock to look at it ──► taken
+//! s_axis ──► word, full ──► judged: the loader has looked at it, and knows of the word before ──► taken
 //! ```
 //!
-//! A word takes three clocks at least, of which a column of a fine strip has many.
+//! A word takes six clocks at least, of which a column of a fine strip has many.
 
 use crate::hdl::{Builder, Signal, StreamInput, Word};
 
@@ -19,14 +19,18 @@ pub struct WordStage {
 
 /// The stage behind a port.
 pub fn build(m: &Builder, port: &StreamInput) -> WordStage {
-    let [full, judged] =
-        ["word_is_here", "word_is_judged"].map(|name| m.register_reset(name, Word::bit(), 0));
+    let flag = |name: &str| m.register_reset(name, Word::bit(), 0);
+    let full = flag("word_is_here");
     let goes = m.forward("word_is_taken", Word::bit());
     let free = m.wire("word_is_free", !&full);
     m.on(&goes, &full, m.bit(false));
     m.on(&port.valid, &full, m.bit(true));
-    m.on(&goes, &judged, m.bit(false));
-    m.on(&full, &judged, m.bit(true));
+    let judged =
+        ["word_is_seen", "word_is_known", "word_is_judged"].into_iter().fold(full.clone(), |before, name| {
+            let after = flag(name);
+            m.always(&after, &before & !&goes);
+            after
+        });
     let keep = |name: &str, signal: &Signal| {
         let register = m.register(format!("word_{name}"), signal.word());
         m.on(&free, &register, signal);

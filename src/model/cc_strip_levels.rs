@@ -1,0 +1,59 @@
+//! The levels of a `cc-strip`, as its protocol sees them, and what a walked core knows of their rest.
+
+/// A column on its way into a level.
+#[derive(Clone, Copy)]
+pub(super) struct Arrival {
+    pub(super) first: bool,
+    pub(super) last: bool,
+}
+
+#[derive(Clone, Copy, Default)]
+pub(super) struct Level {
+    /// Columns left to send; with two, a vertex column and a face column.
+    pub(super) columns: u32,
+    pub(super) age: u32,
+    pub(super) guarded: bool,
+    pub(super) slices: u32,
+    /// Clocks from a coordinate to the next, where they take turns.
+    pub(super) period: u32,
+    pub(super) double: bool,
+    /// Clocks of the walk that are left.
+    pub(super) walk: u32,
+    /// Where rooms are asked for: a column is on its way; one is here and does not count yet.
+    pub(super) sends: bool,
+    pub(super) may_send: bool,
+    pub(super) comes: Option<Arrival>,
+}
+
+/// What is known of the rest of a core: of its levels two clocks late, of the buffer and of what comes in one.
+pub(super) struct Rests {
+    pub(super) levels: [bool; 2],
+    pub(super) buffer: bool,
+    pub(super) quiet: bool,
+    /// Words came in the clocks before.
+    pub(super) came: [bool; 3],
+}
+
+impl Rests {
+    pub(super) fn all(&self) -> bool {
+        self.levels[1] && self.buffer && self.quiet
+    }
+
+    pub(super) fn clock(&mut self, levels: bool, buffer: bool, came: bool) {
+        self.levels = [levels, self.levels[0]];
+        self.buffer = buffer;
+        self.quiet = !came && !self.came.contains(&true);
+        self.came = [came, self.came[0], self.came[1]];
+    }
+}
+
+impl Level {
+    pub(super) fn arrives(&mut self, arrival: Arrival) {
+        match (arrival.first, self.age) {
+            (true, _) => self.age = 0,
+            (_, 0) => (self.age, self.columns) = (1, u32::from(!self.double)),
+            _ => (self.age, self.columns) = (2, if self.double { 1 } else { 2 }),
+        }
+        self.guarded = arrival.last;
+    }
+}
