@@ -44,6 +44,65 @@ pub fn copy_registers(module: &mut Value) -> u64 {
     }
 }
 
+/// Copies registers of a module whose readers are in another one, which is placed there once: a port for each copy.
+/// Returns how many copies that takes.
+pub fn copy_across(modules: &mut Map<String, Value>) -> u64 {
+    let mut places: BTreeMap<String, Vec<(String, String)>> = BTreeMap::new();
+    for (outer, module) in modules.iter() {
+        for (cell, content) in module["cells"].as_object().into_iter().flatten() {
+            let kind = content["type"].as_str().unwrap_or_default();
+            if modules.get(kind).is_some_and(|inner| inner["attributes"]["blackbox"].is_null()) {
+                places.entry(kind.into()).or_default().push((outer.clone(), cell.clone()));
+            }
+        }
+    }
+    let once = places.into_iter().filter_map(|(inner, places)| match places.as_slice() {
+        [(outer, cell)] => Some((inner, outer.clone(), cell.clone())),
+        _ => None,
+    });
+    once.map(|(inner, outer, cell)| copy_into(modules, &inner, &outer, &cell)).sum()
+}
+
+fn copy_into(modules: &mut Map<String, Value>, inner: &str, outer: &str, cell: &str) -> u64 {
+    let (within, around) = (Nets::of(&modules[inner]), Nets::of(&modules[outer]));
+    let (mut free_within, mut free_around) = (within.free(), around.free());
+    let ports: Vec<(String, u64, String)> = modules[inner]["ports"]
+        .as_object()
+        .into_iter()
+        .flatten()
+        .filter(|(_, port)| port["direction"] == "input")
+        .filter_map(|(name, port)| {
+            let [bit] = port["bits"].as_array()?.as_slice() else { return None };
+            let (register, _) = around.drivers.get(&net(&modules[outer]["cells"][cell], name)?)?;
+            let is_register = modules[outer]["cells"][register]["type"] == "TRELLIS_FF";
+            Some((name.clone(), bit.as_u64()?, register.clone())).filter(|_| is_register)
+        })
+        .filter(|(_, bit, _)| cells_of(within.readers(*bit)).count() > MOST_READERS)
+        .collect();
+    let mut copies = 0;
+    for (port, bit, register) in ports {
+        let Some(cells) = modules[inner]["cells"].as_object() else { continue };
+        let groups = groups(cells, &within, within.readers(bit));
+        for (nth, group) in groups.iter().enumerate().skip(1) {
+            let copy = format!("{port}_copy{nth}");
+            let module = &mut modules[inner];
+            module["ports"][&copy] = json!({ "direction": "input", "bits": [free_within] });
+            for (reader, pin) in group {
+                redirect(&mut module["cells"][reader]["connections"][pin], bit, free_within);
+            }
+            let Some(cells) = modules[outer]["cells"].as_object_mut() else { continue };
+            cells[cell]["port_directions"][&copy] = json!("input");
+            cells[cell]["connections"][&copy] = json!([free_around]);
+            let mut another = cells[&register].clone();
+            another["connections"]["Q"] = json!([free_around]);
+            cells.insert(free_name(cells, &register, nth), another);
+            (free_within, free_around) = (free_within + 1, free_around + 1);
+            copies += 1;
+        }
+    }
+    copies
+}
+
 /// The readers in groups of as many as a register may have.
 fn groups<'a>(cells: &Map<String, Value>, nets: &Nets, readers: &'a [Pin]) -> Vec<Vec<&'a Pin>> {
     let mut units: BTreeMap<String, Vec<&Pin>> = BTreeMap::new();
@@ -97,6 +156,43 @@ fn redirect(bits: &mut Value, from: u64, to: u64) {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_reset_from_outside_has_a_register_for_every_few_of_its_readers() {
+        let register = |reset: Value, out: u64| {
+            json!({
+                "type": "TRELLIS_FF",
+                "port_directions": { "LSR": "input", "DI": "input", "Q": "output" },
+                "connections": { "LSR": [reset], "DI": [2], "Q": [out] },
+            })
+        };
+        let inner: Map<String, Value> =
+            (0..70).map(|n| (format!("reader{n:02}"), register(json!(2), 10 + n))).collect();
+        let outer = json!({
+            "held": register(json!("0"), 3),
+            "core": {
+                "type": "core",
+                "port_directions": { "aresetn": "input" },
+                "connections": { "aresetn": [3] },
+            },
+        });
+        let mut modules = Map::new();
+        let ports = json!({ "aresetn": { "direction": "input", "bits": [2] } });
+        modules.insert("core".into(), json!({ "ports": ports, "cells": inner }));
+        modules.insert("top".into(), json!({ "ports": {}, "cells": outer }));
+        assert_eq!(copy_across(&mut modules), 2);
+        let (within, around) = (Nets::of(&modules["core"]), Nets::of(&modules["top"]));
+        let mut readers = 0;
+        for (name, port) in modules["core"]["ports"].as_object().unwrap() {
+            let bit = port["bits"][0].as_u64().unwrap();
+            assert!(within.readers(bit).len() <= MOST_READERS, "{name}");
+            readers += within.readers(bit).len();
+            let (register, _) = &around.drivers[&net(&modules["top"]["cells"]["core"], name).unwrap()];
+            assert_eq!(net(&modules["top"]["cells"][register], "DI"), Some(2), "{name}");
+        }
+        assert_eq!(readers, 70);
+        assert_eq!(copy_across(&mut modules), 0);
+    }
 
     fn module(readers: u64) -> Value {
         let register = |input: u64, out: u64| {

@@ -189,6 +189,21 @@ impl Fold<'_> {
         self.sum(half).is_some_and(|sum| !self.nets.readers(sum).is_empty())
     }
 
+    /// Whether the sum of a half goes to registers alone that are reset while the choice is made, as where a low bit of
+    /// what is chosen is 0: these do not look at it then.
+    fn is_cleared(&self, half: &Half, choice: Choice) -> bool {
+        let Some(sum) = self.sum(half) else { return false };
+        let reset = if choice.when { "LSR" } else { "INV" };
+        self.nets.readers(sum).iter().all(|(name, port)| {
+            self.cells.get(name).is_some_and(|cell| {
+                cell["type"] == "TRELLIS_FF"
+                    && port == "DI"
+                    && net(cell, "LSR") == Some(choice.net)
+                    && cell["parameters"]["LSRMUX"] == reset
+            })
+        })
+    }
+
     fn plan(&self, chain: &[Half]) -> Option<Plan> {
         let first = chain.iter().find_map(|half| self.lut(half))?;
         let choices = Function::of_lut(&self.cells[first.0])?.choices(first.1);
@@ -205,7 +220,8 @@ impl Fold<'_> {
         let count = luts.iter().rposition(Option::is_some)? + 1;
         let halves: Vec<_> = chain.iter().cloned().zip(luts).take(count).collect();
         let fits = |(half, lut): &(Half, Option<String>)| {
-            (lut.is_some() || !self.is_read(half)) && self.edit(half, lut.as_deref(), choice).is_some()
+            (lut.is_some() || !self.is_read(half) || self.is_cleared(half, choice))
+                && self.edit(half, lut.as_deref(), choice).is_some()
         };
         if !halves.iter().all(fits) {
             return None;

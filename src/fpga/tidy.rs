@@ -26,7 +26,7 @@ use serde_json::{Map, Value, json};
 
 use super::block_outputs::register_outputs;
 use super::device::Family;
-use super::fan_out::copy_registers;
+use super::fan_out::{copy_across, copy_registers};
 use super::fold::{absorb_operands, fold_choices, seal_chains};
 use super::netlist::Netlist;
 use super::nets::{Nets, bit, net, open};
@@ -77,6 +77,7 @@ pub fn tidy(family: Family, netlist: &mut Netlist) -> Tidied {
         tidied.copied_registers += copy_registers(module);
         tidied.parted_carries += part_carries(module);
     }
+    tidied.copied_registers += copy_across(modules);
     tidied
 }
 

@@ -169,3 +169,29 @@ fn operands_in_front_of_an_adder_go_into_it() {
     assert_eq!(absorb_operands(&mut after), 3);
     same(&before, &after);
 }
+
+/// The same, where the lowest bit of n is 0: a register that takes the sum there is reset by the choice.
+fn cleared(reset: &str) -> Value {
+    let mut module = chosen(&[]);
+    module["ports"]["y"]["bits"] = json!([101, 102]);
+    let cells = module["cells"].as_object_mut().unwrap();
+    cells.remove("choice0");
+    let register = json!({
+        "type": "TRELLIS_FF",
+        "parameters": { "LSRMUX": reset },
+        "port_directions": { "DI": "input", "LSR": "input", "Q": "output" },
+        "connections": { "DI": [50], "LSR": [CHOICE], "Q": [100] },
+    });
+    cells.insert("lowest".into(), register);
+    module
+}
+
+#[test]
+fn a_sum_that_goes_to_a_register_that_the_choice_resets_does_not_hinder() {
+    let (before, mut after) = (cleared("LSR"), cleared("LSR"));
+    assert_eq!(fold_choices(&mut after), 2);
+    same(&before, &after);
+    // A register that is reset while no choice is made looks at it when one is.
+    let mut other = cleared("INV");
+    assert_eq!(fold_choices(&mut other), 0);
+}
