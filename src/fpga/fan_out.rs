@@ -159,17 +159,17 @@ mod tests {
 
     #[test]
     fn a_reset_from_outside_has_a_register_for_every_few_of_its_readers() {
-        let register = |reset: Value, out: u64| {
+        let register = |reset: Value, input: u64, out: u64| {
             json!({
                 "type": "TRELLIS_FF",
                 "port_directions": { "LSR": "input", "DI": "input", "Q": "output" },
-                "connections": { "LSR": [reset], "DI": [2], "Q": [out] },
+                "connections": { "LSR": [reset], "DI": [input], "Q": [out] },
             })
         };
         let inner: Map<String, Value> =
-            (0..70).map(|n| (format!("reader{n:02}"), register(json!(2), 10 + n))).collect();
+            (0..70).map(|n| (format!("reader{n:02}"), register(json!(2), 1, 10 + n))).collect();
         let outer = json!({
-            "held": register(json!("0"), 3),
+            "held": register(json!("0"), 2, 3),
             "core": {
                 "type": "core",
                 "port_directions": { "aresetn": "input" },
