@@ -21,6 +21,9 @@ use crate::hdl::{Cell, Flat, MadeOf, Memory, Module, NodeId};
 /// Memories up to this depth are made of LUTs, deeper ones are block RAM.
 const LUT_MEMORY_DEPTH: u32 = 64;
 
+/// Bits of a word of one memory made of LUTs.
+const MEMORY_BITS: u32 = 4;
+
 /// Operand bits of one multiplier block.
 const DSP_BITS: u32 = 18;
 
@@ -72,7 +75,7 @@ impl Features {
         };
         for memory in flat.memories.iter().filter(in_luts) {
             let words = memory.depth.div_ceil(16);
-            features.load.memory += f64::from(words * memory.word.width());
+            features.load.memory += f64::from(words * memory.word.width().next_multiple_of(MEMORY_BITS));
         }
         Ok(features)
     }

@@ -46,7 +46,7 @@ pub struct Load {
     pub folded: f64,
     /// Gates before an adder, for which the same holds.
     pub absorbed: f64,
-    /// Bits by sixteen words of memory.
+    /// Bits by sixteen words of memory, four at a time.
     pub memory: f64,
     /// Registers that are fed by registers.
     pub delay: f64,
