@@ -183,7 +183,7 @@ fn far(name: &str, log_depth: u32, lanes: &[(&str, Word)]) -> Result<Rc<Module>>
     let placed = m.instance(NEAR, &near(&format!("{name}_near"), lanes)?, &into);
     let credits =
         m.instance("room", &credits(LOG_NEAR, 0)?, &[("issue", &take), ("take", &placed.out("take"))]);
-    m.drive(&room, &credits.out("has_room"));
+    m.drive(&room, credits.out("has_room"));
     m.output("take", &take);
     m.output("valid", placed.out("valid"));
     lanes.iter().map(|(lane, _)| format!("out_{lane}")).for_each(|lane| m.output(&*lane, placed.out(&lane)));
