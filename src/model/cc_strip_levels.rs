@@ -21,14 +21,18 @@ pub(super) struct Level {
     pub(super) walk: u32,
     /// Where rooms are asked for: a column is on its way; one is here and does not count yet.
     pub(super) sends: bool,
+    /// There was room for a column a clock ago.
     pub(super) may_send: bool,
     pub(super) comes: Option<Arrival>,
 }
 
 /// What is known of the rest of a core: of its levels two clocks late, of the buffer and of what comes in one.
 pub(super) struct Rests {
+    /// No level had a column to send, a clock and two clocks ago.
     pub(super) levels: [bool; 2],
+    /// The buffer was empty.
     pub(super) buffer: bool,
+    /// No word came in.
     pub(super) quiet: bool,
     /// Words came in the clocks before.
     pub(super) came: [bool; 3],
