@@ -30,6 +30,7 @@ mod place;
 mod report;
 mod resets;
 mod run;
+mod signs;
 mod structural;
 mod synthesis;
 mod tidy;

@@ -15,7 +15,8 @@
 //! Two registers with different enables do not fit behind one cell; where a chain ends so, its last bit moves into a
 //! cell more.
 //!
-//! Besides, [choices](super::fold) go into the cells of the adders before them, and [registers](super::fan_out) with many
+//! Besides, [choices](super::fold) go into the cells of the adders before them, [signs](super::signs) with two readers
+//! being made twice for that, and [registers](super::fan_out) with many
 //! readers are copied; [registers](super::block_outputs) behind a block RAM go into it; an inverter in front of
 //! [resets](super::resets) goes into the registers, and so does a gate with the reset. None of this changes a bit of what
 //! the circuit computes; the netlist that is simulated is the one after this step.
@@ -31,6 +32,7 @@ use super::fold::{absorb_operands, fold_choices, seal_chains};
 use super::netlist::Netlist;
 use super::nets::{Nets, bit, net, open};
 use super::resets::{direct_resets, invert_resets};
+use super::signs::part_signs;
 
 /// What was removed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -38,6 +40,8 @@ use super::resets::{direct_resets, invert_resets};
 pub struct Tidied {
     /// Carries that nobody reads, disconnected.
     pub unread_carries: u64,
+    /// Signs of sums that have a half of carry for each of two readers.
+    pub parted_signs: u64,
     /// LUTs of choices that went into the adders before them.
     pub folded_choices: u64,
     /// LUTs of operands that went into the adders behind them.
@@ -67,6 +71,7 @@ pub fn tidy(family: Family, netlist: &mut Netlist) -> Tidied {
     let Some(modules) = netlist.0["modules"].as_object_mut() else { return tidied };
     for (_, module) in modules.iter_mut() {
         tidied.unread_carries += drop_unread_carries(module);
+        tidied.parted_signs += part_signs(module);
         tidied.folded_choices += fold_choices(module);
         tidied.absorbed_operands += absorb_operands(module);
         tidied.sealed_chains += seal_chains(module);

@@ -1,5 +1,6 @@
 //! Small netlists folded, and run for many inputs before and after.
 
+use super::super::signs::part_signs;
 use super::*;
 
 /// Inputs of the module are bits 2 to 19, its outputs 100 on; 3 bits of a, b and n, and the choice.
@@ -195,4 +196,32 @@ fn a_sum_that_goes_to_a_register_that_the_choice_resets_does_not_hinder() {
     // A register that is reset while no choice is made looks at it when one is.
     let mut other = cleared("INV");
     assert_eq!(fold_choices(&mut other), 0);
+}
+
+/// choice ? n : a + b, of 4 bits and numbers of 2 bits with a sign: both highest bits of the sum are its sign.
+fn signed(sign: u64) -> Value {
+    let mut module = chosen(&[103]);
+    let cells = module["cells"].as_object_mut().unwrap();
+    let inputs = [json!(CHOICE), json!(N + 3), json!(52), json!("0")];
+    let table = |index: usize| if index & 1 == 1 { index & 2 != 0 } else { index & 4 != 0 };
+    cells.insert("choice3".into(), lut(inputs, 103, table));
+    cells["high"]["connections"]["A0"] = json!([A + sign]);
+    cells["high"]["connections"]["B0"] = json!([B + sign]);
+    cells["high"]["connections"]["S1"] = open();
+    cells["high"]["connections"]["COUT"] = open();
+    module
+}
+
+#[test]
+fn a_sign_that_two_choices_read_does_not_hinder() {
+    let (before, mut after) = (signed(1), signed(1));
+    assert_eq!(fold_choices(&mut after), 0);
+    assert_eq!(part_signs(&mut after), 1);
+    same(&before, &after);
+    assert_eq!(fold_choices(&mut after), 4);
+    same(&before, &after);
+    // Numbers of 3 bits: their sum's third bit is no sign.
+    let mut other = signed(2);
+    assert_eq!(part_signs(&mut other), 0);
+    assert_eq!(other, signed(2));
 }
