@@ -62,6 +62,12 @@ impl Netlist {
         cells.filter(|(_, kind)| !kind.starts_with('$'))
     }
 
+    /// How many cells all modules have; an instance counts as one.
+    pub fn size(&self) -> usize {
+        let modules = self.0["modules"].as_object().into_iter().flatten();
+        modules.map(|(name, _)| self.own_cells(name).count()).sum()
+    }
+
     /// How many cells of each type a module has itself; an instance counts as one.
     pub fn own_census(&self, module: &str) -> Census {
         census(self.own_cells(module).map(|(_, kind)| kind))
@@ -153,6 +159,7 @@ mod tests {
         let cells = netlist.cells("m");
         assert!(cells.contains(&("adder.s".into(), "TRELLIS_FF")));
         assert_eq!(netlist.own_census("m")["TRELLIS_FF"], 2);
+        assert_eq!(netlist.size(), 7);
         let census = census(cells.iter().map(|(_, kind)| *kind));
         assert_eq!((census.len(), census["TRELLIS_FF"]), (4, 3));
         let (area, carries) = area(Family::Ecp5, &census);

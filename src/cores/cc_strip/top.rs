@@ -139,10 +139,18 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
             ports.extend(others.map(|(_, stage)| (turns::OWNER.to_string(), stage.control.out("axis"))));
             if group.walked {
                 let times = ports.iter().filter_map(|(_, signal)| signal.time());
-                let data = before.map_or_else(
+                let mut data = before.map_or_else(
                     || times.max().unwrap_or(0) + 3,
                     |(_, stage)| stage.columns[axis].rows[0].time().unwrap_or(1),
                 );
+                if others.is_some() {
+                    // The engines lie far apart: a register of its own for each.
+                    let sent = ports.iter_mut().filter(|(_, signal)| !is_early(signal, data - 2));
+                    for (port, signal) in sent.filter(|(_, signal)| signal.time().is_some()) {
+                        *signal = m.copy(format!("{port}_of_{}", AXES[axis]), &*signal);
+                    }
+                    data += 1;
+                }
                 steering_late.get_or_insert_with(|| steer_late(&m, &waits, data - 2, index, &ports));
                 let late = steering_late.iter().flatten();
                 let early = |ports: &[(String, Signal)]| -> Vec<usize> {

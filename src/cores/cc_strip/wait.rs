@@ -5,8 +5,11 @@
 //!   └─ - k ──► read ────┘
 //! ```
 //!
-//! One counter of a module serves all of its RAMs. It alone is reset, and one register alone reads it: that one may be
-//! copied all over the device, for a copy needs no reset, which reaches few registers in a clock.
+//! One counter of a module serves all of its RAMs. It alone is reset, and one register alone reads it: that one and the
+//! next may be copied all over the device, for a copy needs no reset, which reaches few registers in a clock.
+//!
+//! Block RAMs would take fewer cells, but stand in few rows of a device: of a core of five levels, 51 of them made all
+//! wires together 30 percent longer.
 
 use std::cell::OnceCell;
 
@@ -32,12 +35,13 @@ impl<'a> Waits<'a> {
         Waits { m, turn: OnceCell::new() }
     }
 
-    /// The counter, which never stops, a clock late.
+    /// The counter, which never stops, two clocks late.
     fn turn(&self) -> &Signal {
         self.turn.get_or_init(|| {
             let turn = self.m.register_reset("turn_of_waits", Word::unsigned(LOG_WORDS), 0);
             self.m.always(&turn, self.m.wrap(&turn + 1, turn.word()));
-            self.m.restart(&self.m.copy("turn_goes_round", &turn), 0)
+            let sent = self.m.copy("turn_sent", &turn);
+            self.m.restart(&self.m.copy("turn_goes_round", &sent), 0)
         })
     }
 
