@@ -9,6 +9,9 @@ use super::nets::{Nets, Pin, net};
 /// Readers that a register may have: two chains of 15 bits. Fewer cost registers, more cost routing.
 pub const MOST_READERS: usize = 32;
 
+/// Readers that a RAM made of lookup tables stands for, which takes the place of six of them.
+const READERS_OF_A_RAM: usize = 4;
+
 /// Copies the registers of a module until none has more readers; returns how many copies that takes.
 ///
 /// The readers are shared out in the order of their names: what stands side by side there does so on the device. The
@@ -24,7 +27,7 @@ pub fn copy_registers(module: &mut Value) -> u64 {
             .iter()
             .filter(|(_, cell)| cell["type"] == "TRELLIS_FF")
             .filter_map(|(name, cell)| Some((name.clone(), net(cell, "Q")?)))
-            .filter(|(_, out)| cells_of(nets.readers(*out)).count() > MOST_READERS)
+            .filter(|(_, out)| weight(cells, cells_of(nets.readers(*out))) > MOST_READERS)
             .collect();
         if registers.is_empty() {
             return copies;
@@ -66,6 +69,7 @@ pub fn copy_across(modules: &mut Map<String, Value>) -> u64 {
 fn copy_into(modules: &mut Map<String, Value>, inner: &str, outer: &str, cell: &str) -> u64 {
     let (within, around) = (Nets::of(&modules[inner]), Nets::of(&modules[outer]));
     let (mut free_within, mut free_around) = (within.free(), around.free());
+    let Some(cells) = modules[inner]["cells"].as_object() else { return 0 };
     let ports: Vec<(String, u64, String)> = modules[inner]["ports"]
         .as_object()
         .into_iter()
@@ -77,7 +81,7 @@ fn copy_into(modules: &mut Map<String, Value>, inner: &str, outer: &str, cell: &
             let is_register = modules[outer]["cells"][register]["type"] == "TRELLIS_FF";
             Some((name.clone(), bit.as_u64()?, register.clone())).filter(|_| is_register)
         })
-        .filter(|(_, bit, _)| cells_of(within.readers(*bit)).count() > MOST_READERS)
+        .filter(|(_, bit, _)| weight(cells, cells_of(within.readers(*bit))) > MOST_READERS)
         .collect();
     let mut copies = 0;
     for (port, bit, register) in ports {
@@ -111,13 +115,20 @@ fn groups<'a>(cells: &Map<String, Value>, nets: &Nets, readers: &'a [Pin]) -> Ve
     }
     let units: Vec<&[&Pin]> = units.values().flat_map(|unit| unit.chunks(MOST_READERS)).collect();
     let mut groups: Vec<Vec<&Pin>> = vec![];
+    let weight = |pins: &[&Pin]| weight(cells, pins.iter().copied());
     for unit in units {
-        match groups.last_mut().filter(|group| group.len() + unit.len() <= MOST_READERS) {
+        match groups.last_mut().filter(|group| weight(group) + weight(unit) <= MOST_READERS) {
             Some(group) => group.extend(unit),
             None => groups.push(unit.to_vec()),
         }
     }
     groups
+}
+
+/// How many readers pins stand for.
+fn weight<'a>(cells: &Map<String, Value>, pins: impl Iterator<Item = &'a Pin>) -> usize {
+    let is_ram = |name: &str| cells.get(name).is_some_and(|cell| cell["type"] == "TRELLIS_DPR16X4");
+    pins.map(|(name, _)| if is_ram(name) { READERS_OF_A_RAM } else { 1 }).sum()
 }
 
 /// The first cell of the chain of carry that a cell belongs to, or that a register takes its bit from; else the cell.
@@ -231,6 +242,18 @@ mod tests {
             }
             assert_eq!(copied["ports"], module(readers)["ports"]);
         }
+    }
+
+    #[test]
+    fn an_address_has_a_register_for_every_few_rams() {
+        let mut rams = module(9);
+        for (_, cell) in rams["cells"].as_object_mut().unwrap().iter_mut().filter(|(n, _)| n.starts_with('r'))
+        {
+            cell["type"] = json!("TRELLIS_DPR16X4");
+        }
+        assert_eq!(copy_registers(&mut rams), 1);
+        let nets = Nets::of(&rams);
+        assert!(nets.readers.values().all(|readers| readers.len() <= 8 + 1));
     }
 
     #[test]

@@ -58,7 +58,7 @@ impl<'a> Output<'a> {
 
         // From here on the flag beside it says when a column is there.
         let here = |signal: &Signal| m.restart(signal, 0);
-        let waits = Waits::new(m);
+        let waits = Waits::new(m, self.parameters);
         let of_level = |name: &str, of: &dyn Fn(&Offer) -> Signal| {
             let flags = self.offers.iter().zip(1..).map(|(offer, level)| {
                 let flag = [(format!("{name}{level}"), of(offer))];

@@ -125,7 +125,7 @@ pub fn build(parameters: Parameters, level: u32) -> Result<Rc<Module>> {
     for (d, multiple) in &others {
         weighted = choose(format!("weighted_to_{d}"), &is(*d as usize), multiple, &weighted);
     }
-    let late = Waits::new(&m).until(
+    let late = Waits::new(&m, parameters).until(
         "centre_slot",
         &[("centre".into(), centre.clone())],
         weighted.time().unwrap_or(0),

@@ -363,7 +363,7 @@ pub fn build(parameters: Parameters, level: u32) -> Result<Rc<Module>> {
             round("face_rounded", &m.signal(16 * &m.at_time(&last_face, spoke.time().unwrap_or(0)))),
         ),
     ];
-    let waits = Waits::new(&m);
+    let waits = Waits::new(&m, parameters);
     let late = waits.until("side_slot", &stream, times.sides());
     let stream: Vec<(String, Signal)> = ["fan_a".to_string(), "fan_x".into()].into_iter().zip(late).collect();
 

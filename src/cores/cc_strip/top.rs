@@ -90,7 +90,7 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
             false => word.clone(),
         })
         .collect();
-    let waits = Waits::new(&m);
+    let waits = Waits::new(&m, parameters);
     let mut stages: Vec<Stage> = vec![];
     for (index, group) in groups.iter().enumerate() {
         let before = index.checked_sub(1).map(|at| (&groups[at], &stages[at]));

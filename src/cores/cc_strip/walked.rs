@@ -70,7 +70,7 @@ impl Unit<'_> {
         let all = |names: &[String]| -> Vec<(String, Signal)> {
             names.iter().map(|name| (name.clone(), made.out(name))).collect()
         };
-        let waits = Waits::new(m);
+        let waits = Waits::new(m, p);
         let inner = waits.until("row_slot", &all(&names[1..last]), done + 1);
         let mut outer = vec![names[0].clone(), names[last].clone()];
         if outside {
