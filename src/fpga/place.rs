@@ -75,9 +75,10 @@ fn constraints(pins: [&str; 4]) -> String {
 const ECP5: [&str; 3] = ["--lpf-allow-unconstrained", "--placer-heap-timingweight", "80"];
 
 /// From so many cells on the first router does not end: it still had open arcs after 40 minutes, which the second one
-/// closes in five. Its other weights detour less: of one placement, 175 MHz become 198.
+/// closes in four. That one's other weights (`--router2-alt-weights`) detour less, of one placement 198 MHz in place of
+/// 175, but do not end on another.
 const MANY_CELLS: usize = 40_000;
-const SECOND_ROUTER: [&str; 3] = ["--router", "router2", "--router2-alt-weights"];
+const SECOND_ROUTER: [&str; 2] = ["--router", "router2"];
 
 /// All arguments of nextpnr, for so many cells.
 fn arguments(device: &Device, Run { seed, target_mhz }: Run, cells: usize) -> Vec<String> {
