@@ -114,7 +114,8 @@ fn every_other_quad_mesh_in_icarus() {
     in_icarus(1);
 }
 
-/// Every schedule, slices, guard bits and their rounding, limit positions, normals, and rows along the strip.
+/// Every schedule, slices, guard bits and their rounding, limit positions, normals, rows along the strip, and ends that are
+/// walked around, with waits in block RAM.
 #[test]
 fn every_kind_of_core_in_every_simulator() {
     if !have(&[VERILATOR, ICARUS]) {
@@ -130,6 +131,7 @@ fn every_kind_of_core_in_every_simulator() {
         "--limit --normals limit --unit-normals 14 --guard 6",
         "--normals faces --schedule shared",
         "--row-major 3",
+        "--registered --rows-per-clock 2 --axes-in-turn 2 --guard 4 --rounding floor",
     ];
     let core = ["--max-level", "3", "--max-valence", "10", "--coordinates", "Q3.12", "--simulator", "all"];
     for kind in kinds {
