@@ -20,7 +20,6 @@ const PINS: [&str; 4] = ["A", "B", "C", "D"];
 /// Gives signs that two LUTs read a half more where the last cell has one to spare; returns how many.
 pub fn part_signs(module: &mut Value) -> u64 {
     let nets = Nets::of(module);
-    let mut free = nets.free();
     let Some(cells) = module["cells"].as_object_mut() else { return 0 };
     let last = |(name, cell): (&String, &Value)| {
         let is_read = |port: &str| net(cell, port).is_some_and(|out| !nets.readers(out).is_empty());
@@ -34,7 +33,7 @@ pub fn part_signs(module: &mut Value) -> u64 {
         (spare && equal && choices && readers.len() == 2).then(|| (name.clone(), reader.clone(), pin.clone()))
     };
     let found: Vec<(String, String, String)> = cells.iter().filter_map(last).collect();
-    for (name, reader, pin) in &found {
+    for (free, (name, reader, pin)) in (nets.free()..).zip(&found) {
         let cell = &mut cells[name];
         for port in PINS {
             cell["connections"][format!("{port}1")] = cell["connections"][format!("{port}0")].clone();
@@ -44,7 +43,6 @@ pub fn part_signs(module: &mut Value) -> u64 {
         }
         cell["connections"]["S1"] = json!([free]);
         cells[reader]["connections"][pin] = json!([free]);
-        free += 1;
     }
     found.len() as u64
 }
