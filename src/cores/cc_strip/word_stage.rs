@@ -23,8 +23,8 @@ pub fn build(m: &Builder, port: &StreamInput) -> WordStage {
     let full = flag("word_is_here");
     let goes = m.forward("word_is_taken", Word::bit());
     let free = m.wire("word_is_free", !&full);
-    m.on(&goes, &full, m.bit(false));
-    m.on(&port.valid, &full, m.bit(true));
+    // No choice, of which synthesis would make a gate before the reset: that gate then lies far from a copy of the flag.
+    m.always(&full, m.any(&[&port.valid, &full]) & !&goes);
     let judged =
         ["word_is_seen", "word_is_known", "word_is_judged"].into_iter().fold(full.clone(), |before, name| {
             let after = flag(name);
