@@ -74,9 +74,9 @@ fn constraints(pins: [&str; 4]) -> String {
 /// clock asked for and the other placers gain nothing.
 const ECP5: [&str; 3] = ["--lpf-allow-unconstrained", "--placer-heap-timingweight", "80"];
 
-/// From so many cells on the first router does not end: it still had open arcs after 40 minutes, which the second one
-/// closes in four. That one's other weights (`--router2-alt-weights`) detour less, of one placement 198 MHz in place of
-/// 175, but do not end on another.
+/// Of designs with so many cells the first router need not end: of one of 55,000 it still had open arcs after 40 minutes,
+/// which the second one closes in four. That one's other weights (`--router2-alt-weights`) detour less, of one placement
+/// 198 MHz in place of 175, but did not end on another.
 const MANY_CELLS: usize = 40_000;
 const SECOND_ROUTER: [&str; 2] = ["--router", "router2"];
 

@@ -26,7 +26,7 @@ pub fn part_signs(module: &mut Value) -> u64 {
         let sign = net(cell, "S0")?;
         let (before, _) = nets.drivers.get(&net(cell, "CIN")?)?;
         let spare = cell["type"] == "CCU2C" && !is_read("S1") && !is_read("COUT");
-        let equal = content(&cells[before], 1)? == content(cell, 0)? && is_constant(cell, 1);
+        let equal = content(cells.get(before)?, 1)? == content(cell, 0)? && is_constant(cell, 1);
         let readers: BTreeSet<&str> = nets.readers(sign).iter().map(|(reader, _)| reader.as_str()).collect();
         let choices = readers.iter().all(|name| cells.get(*name).is_some_and(|cell| cell["type"] == "LUT4"));
         let [_, (reader, pin)] = nets.readers(sign) else { return None };

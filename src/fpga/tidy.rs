@@ -15,11 +15,11 @@
 //! Two registers with different enables do not fit behind one cell; where a chain ends so, its last bit moves into a
 //! cell more.
 //!
-//! Besides, [choices](super::fold) go into the cells of the adders before them, [signs](super::signs) with two readers
-//! being made twice for that, and [registers](super::fan_out) with many
-//! readers are copied; [registers](super::block_outputs) behind a block RAM go into it; an inverter in front of
-//! [resets](super::resets) goes into the registers, and so does a gate with the reset. None of this changes a bit of what
-//! the circuit computes; the netlist that is simulated is the one after this step.
+//! Besides, [choices](super::fold) go into the cells of the adders before them, for which [signs](super::signs) with two
+//! readers are made twice; [registers](super::fan_out) with many readers are copied; [registers](super::block_outputs)
+//! behind a block RAM go into it; an inverter in front of [resets](super::resets) goes into the registers, and so does a
+//! gate with the reset. None of this changes a bit of what the circuit computes; the netlist that is simulated is the one
+//! after this step.
 
 use std::collections::BTreeMap;
 

@@ -24,7 +24,7 @@ impl Unit<'_> {
     /// The column that leaves, all of one clock.
     pub(super) fn registered(&self, face: &Signal, valences: [Signal; 2]) -> Result<Outgoing> {
         let (m, p, cells) = (self.m, self.parameters, self.cells());
-        let waits = Waits::new(m, self.parameters);
+        let waits = Waits::new(m, p);
         let filter = row_filter::build(p, self.level(), cells, self.sliced())?;
         let mut inputs = vec![("face".to_string(), face.clone())];
         let seen = |row: &str| row != "below" && (row != "above" || self.sliced());
