@@ -13,16 +13,19 @@ module {{ name }} (
 );
 
     reg  reset_held;
+    // Between two inputs stands a register that is read by the next one alone: they may lie far apart.
     reg  [{{ inputs - 1 }}:0] chain;
+    reg  [{{ inputs - 1 }}:0] between;
     wire [{{ outputs - 1 }}:0] outputs;
 
     always @(posedge clock) begin
         reset_held <= reset_n;
 {%- if inputs > 1 %}
-        chain <= {chain[{{ inputs - 2 }}:0], shift_in};
+        between <= {chain[{{ inputs - 2 }}:0], shift_in};
 {%- else %}
-        chain <= shift_in;
+        between <= shift_in;
 {%- endif %}
+        chain <= between;
     end
 
     (* keep_hierarchy *)

@@ -93,7 +93,8 @@ mod tests {
         let text = harness(&m.finish().unwrap()).unwrap().text;
         for part in [
             "reg  [13:0] chain;",
-            "chain <= {chain[12:0], shift_in};",
+            "between <= {chain[12:0], shift_in};",
+            "chain <= between;",
             ".aclk(clock)",
             ".b(chain[13:7])",
             ".y(outputs[7:0])",

@@ -27,6 +27,7 @@ mod netlist;
 mod nets;
 pub mod pipelining;
 mod place;
+mod ram_pins;
 mod report;
 mod resets;
 mod run;

@@ -5,6 +5,7 @@
 
 use super::cache::Cache;
 use super::device::{Device, Family};
+use super::ram_pins;
 use super::run::{Progress, Stage, run};
 use super::synthesis::Synthesised;
 use super::timing::Timing;
@@ -34,7 +35,7 @@ pub fn place(
     progress: Progress,
 ) -> Result<Timing> {
     let words = arguments(device, how, design.netlist.size());
-    let netlist = design.netlist.text()?;
+    let netlist = ram_pins::open_high(&design.netlist).text()?;
     let said = words.join(" ");
     let pins = device.pins.map(constraints);
     let parts = [("nextpnr", placer.version.as_str()), ("arguments", said.as_str())].into_iter();

@@ -18,7 +18,7 @@
 //! Besides, [choices](super::fold) go into the cells of the adders before them, for which [signs](super::signs) with two
 //! readers are made twice; [registers](super::fan_out) with many readers are copied; [registers](super::block_outputs)
 //! behind a block RAM go into it; an inverter in front of [resets](super::resets) goes into the registers, and so does a
-//! gate with the reset. None of this changes a bit of what the circuit computes; the netlist that is simulated is the one
+//! gate with the reset; constants of [RAMs](super::ram_pins) need no wire. None of this changes a bit of what the circuit computes; the netlist that is simulated is the one
 //! after this step.
 
 use std::collections::BTreeMap;
@@ -31,6 +31,7 @@ use super::fan_out::{copy_across, copy_registers};
 use super::fold::{absorb_operands, fold_choices, seal_chains};
 use super::netlist::Netlist;
 use super::nets::{Nets, bit, net, open};
+use super::ram_pins;
 use super::resets::{direct_resets, invert_resets};
 use super::signs::part_signs;
 
@@ -58,6 +59,8 @@ pub struct Tidied {
     pub direct_resets: u64,
     /// Registers that went into the block RAMs before them.
     pub registered_outputs: u64,
+    /// Constant pins of RAMs made of lookup tables that need no wire.
+    pub raised_pins: u64,
     /// Copies of registers with many readers.
     pub copied_registers: u64,
 }
@@ -79,6 +82,7 @@ pub fn tidy(family: Family, netlist: &mut Netlist) -> Tidied {
         tidied.inverted_resets += invert_resets(module);
         tidied.direct_resets += direct_resets(module);
         tidied.registered_outputs += register_outputs(module);
+        tidied.raised_pins += ram_pins::raise(module);
         tidied.copied_registers += copy_registers(module);
         tidied.parted_carries += part_carries(module);
     }

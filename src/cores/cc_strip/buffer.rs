@@ -40,7 +40,8 @@ pub fn credits(log_depth: u32, unasked: u32) -> Result<Rc<Module>> {
         m.always(&register, value);
         register
     };
-    let (issued, taken) = (flag("issued", &issue, 0), flag("taken", &take, 0));
+    // What else knows that a word is taken stands far from here.
+    let (issued, taken) = (flag("issued", &issue, 0), m.unmerged(flag("taken", &take, 0)));
     let credits = m.register_reset("credits", Word::range(0, depth), depth);
     m.on(&(&issued & !&taken), &credits, m.wrap(&credits - 1, credits.word()));
     m.on(&(!&issued & &taken), &credits, m.wrap(&credits + 1, credits.word()));

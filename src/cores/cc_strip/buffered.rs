@@ -209,7 +209,10 @@ impl<'a> Output<'a> {
         of: impl Fn(&'b Offer<'a>) -> Option<&'b Signal>,
     ) -> Signal {
         let m = self.m;
-        let is = |level: u32, time: u32| m.restart(&self.is[level as usize - 1], time);
+        // The level stands long before a column of it is here.
+        let own =
+            |of: String, is: &Signal, time: u32| m.restart(&m.copy(format!("{name}_is_{of}"), is), time);
+        let is = |level: u32, time: u32| own(level.to_string(), &self.is[level as usize - 1], time);
         let levels = self.aligned_levels(row, of);
         let pairs = levels.chunks(2).map(|pair| match pair {
             [(_, finer), (level, coarser)] => {
@@ -222,12 +225,9 @@ impl<'a> Output<'a> {
         let first = pairs.next().map(|(_, chosen)| chosen);
         let first = first.unwrap_or_else(|| m.constant(0, self.parameters.word(self.parameters.levels)));
         let rest = pairs.fold(first, |other, (pair, chosen)| {
-            let here: Vec<Signal> = pair.iter().map(|(level, _)| is(*level, 0)).collect();
-            let here = match here.as_slice() {
-                [one] => one.clone(),
-                both => m.any(&both.iter().collect::<Vec<_>>()),
-            };
-            m.select(&m.restart(&here, chosen.time().unwrap_or(0)), &chosen, &other)
+            let here: Vec<&Signal> = pair.iter().map(|(level, _)| &self.is[*level as usize - 1]).collect();
+            let here = own(format!("of_{}", pair[0].0), &m.any(&here), chosen.time().unwrap_or(0));
+            m.select(&here, &chosen, &other)
         });
         m.pipe(name, &rest)
     }

@@ -67,8 +67,8 @@ impl<'a> Output<'a> {
     ) -> Output<'a> {
         let is = (1..=parameters.levels).map(|l| {
             let is = m.wire(format!("is_level_{l}"), m.is(level, l.into()));
-            // It stands long before a column comes.
-            if parameters.walked() { m.restart(&m.pipe(format!("for_level_{l}"), &is), 0) } else { is }
+            // It stands long before a column comes. The levels know the same, far from here.
+            if parameters.walked() { m.restart(&m.copy(format!("for_level_{l}"), &is), 0) } else { is }
         });
         let is = is.collect();
         Output { m, parameters, offers, is, consumer }

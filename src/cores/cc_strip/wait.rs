@@ -157,11 +157,13 @@ impl<'a> Waits<'a> {
         let m = self.m;
         let turn = self.turn(kind);
         let (before, behind) = kind.registers();
-        let back = i128::from(until - from - before - behind) - 1;
+        // The register of the difference is a clock late, and what it holds a clock on.
+        let back = i128::from(until - from - before - behind) - 2;
         let address = |port: &str, nth: usize, value: &Signal| {
             m.restart(&m.copy(format!("{name}_{nth}_{port}"), value), from + before)
         };
         let read = m.wrap(turn - back, turn.word());
+        let read = m.restart(&m.copy(format!("{name}_behind"), &read), turn.time().unwrap_or(0));
         let mut addresses = [turn.clone(), read.clone()];
         let mut late = vec![];
         for (nth, (word, signal)) in signals.iter().enumerate() {

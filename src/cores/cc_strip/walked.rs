@@ -107,7 +107,10 @@ impl Unit<'_> {
         Ok((Outgoing { outside: beside, ..columns }, fans))
     }
 
-    /// Row `at` of a column, of the slice in turn: the same a clock later where there are slices to choose from.
+    /// Binary digits of the slice that choose among its rows in a clock.
+    const DIGITS_IN_A_CLOCK: usize = 2;
+
+    /// Row `at` of a column, of the slice in turn: a clock later where there are slices to choose from, two where many.
     fn row_in_turn(&self, column: usize, name: &str, at: i64) -> Option<Signal> {
         let [columns] = self.columns else { return None };
         let slices = self.group.slices(columns.level);
@@ -123,7 +126,22 @@ impl Unit<'_> {
             .enumerate()
             .map(|(bit, digit)| self.m.copy(format!("{stage}_{name}_digit_{bit}"), digit))
             .collect();
-        let chosen = chosen_by(self.m, &digits, rows)?;
+        if digits.len() <= Self::DIGITS_IN_A_CLOCK {
+            let chosen = chosen_by(self.m, &digits, rows)?;
+            return Some(self.m.pipe(format!("{stage}_{name}"), &chosen));
+        }
+        let (first, rest) = digits.split_at(Self::DIGITS_IN_A_CLOCK);
+        let of_first = rows.chunks(1 << first.len()).zip(0..).map(|(some, nth)| {
+            let chosen = chosen_by(self.m, first, some.to_vec())?;
+            Some(self.m.pipe(format!("{stage}_{name}_of_{nth}"), &chosen))
+        });
+        let of_first: Vec<Option<Signal>> = of_first.collect();
+        let rest: Vec<Signal> = rest
+            .iter()
+            .zip(first.len()..)
+            .map(|(digit, bit)| self.m.copy(format!("{stage}_{name}_digit_{bit}_later"), digit))
+            .collect();
+        let chosen = chosen_by(self.m, &rest, of_first)?;
         Some(self.m.pipe(format!("{stage}_{name}"), &chosen))
     }
 }
