@@ -131,7 +131,7 @@ impl Calibration {
         })?;
         Ok(format!(
             "# Cores that were placed and routed (see 'point'), and the constants that are fitted to them.\n\
-             # Measured and written anew by: cargo test --release --test calibration -- --ignored measured_anew\n\n{body}"
+             # Measured and written anew by: cargo test --release --test suite calibration:: -- --ignored measured_anew\n\n{body}"
         ))
     }
 }

@@ -6,7 +6,7 @@
 //!                  └── each times a constant of the family, fitted to cores that were placed and routed (calibration)
 //! ```
 //!
-//! `cargo test --release --test calibration -- --ignored measured_anew` measures all cores of the table anew and fits
+//! `cargo test --release --test suite calibration:: -- --ignored measured_anew` measures all cores of the table anew and fits
 //! the constants; `fitted_anew` only fits.
 
 pub mod calibration;
