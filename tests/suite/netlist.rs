@@ -114,6 +114,22 @@ fn netlists_of_both_cores_are_equal_bit_for_bit() {
     }
 }
 
+/// Coordinates that take turns stand in RAMs of three words, which lie where an address bit without a wire reads one.
+#[test]
+fn rams_that_lie_where_a_pin_without_a_wire_reads_one() {
+    if !installed() {
+        return;
+    }
+    let turns = ["--max-level", "2", "--level", "2", "--max-valence", "4", "--axes-in-turn", "1"];
+    let walked =
+        ["--rounding", "floor", "--registered", "--back-pressure", "random", "--simulator", "icarus"];
+    let taken = ["--schedule", "shared", "--level", "1"];
+    let quads: Vec<&str> = QUADS.into_iter().filter(|word| !taken.contains(word)).collect();
+    let (netlist, mismatches) = verdict(&[&quads[..], &turns, &walked, &["--netlist", "ecp5"]].concat());
+    assert_eq!(mismatches, [0]);
+    assert!(netlist["tidied"]["raised_pins"].as_u64().unwrap() > 100, "{netlist}");
+}
+
 /// A cell's bits at a port: constants as text, nets as numbers.
 fn bit(cell: &Value, port: &str) -> Value {
     cell["connections"][port][0].clone()

@@ -30,7 +30,7 @@ pub fn build(index: usize, group: &Group, walks: u32) -> Result<Rc<Module>> {
     let l = group.finest();
     let level = Level::new(&m, l, false);
     // The level of a strip stands before its first column leaves.
-    let here = m.pipe("goes_to_output", m.is(&wanted, i128::from(l) + 1));
+    let here = m.copy("goes_to_output", m.is(&wanted, i128::from(l) + 1));
     let to_output = m.restart(&here, 0);
     let start = m.forward("starts", Word::bit());
     let sending = match group.in_turn {
