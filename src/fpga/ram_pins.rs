@@ -17,8 +17,8 @@ const RAM: &str = "TRELLIS_DPR16X4";
 const ADDRESSES: [&str; 2] = ["RAD", "WAD"];
 const ENABLE: &str = "WRE";
 
-/// Moves RAMs whose highest words alone are unused to these, and has those written in every clock know it without a
-/// wire; returns how many pins that are spared.
+/// Moves what a RAM holds from its lowest words to its highest ones where only a part is used, and tells a RAM that is
+/// written in every clock so by its setting; returns how many pins need no wire any more.
 pub fn raise(module: &mut Value) -> u64 {
     let mut raised = 0;
     let cells = module["cells"].as_object_mut().into_iter().flatten();

@@ -18,8 +18,8 @@
 //! Besides, [choices](super::fold) go into the cells of the adders before them, for which [signs](super::signs) with two
 //! readers are made twice; [registers](super::fan_out) with many readers are copied; [registers](super::block_outputs)
 //! behind a block RAM go into it; an inverter in front of [resets](super::resets) goes into the registers, and so does a
-//! gate with the reset; constants of [RAMs](super::ram_pins) need no wire. None of this changes a bit of what the circuit computes; the netlist that is simulated is the one
-//! after this step.
+//! gate with the reset; constants of [RAMs](super::ram_pins) need no wire. None of this changes a bit of what the circuit
+//! computes; the netlist that is simulated is the one after this step.
 
 use std::collections::BTreeMap;
 

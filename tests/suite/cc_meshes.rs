@@ -1,36 +1,12 @@
 //! Small quad meshes for the tests of strips: closed and open, all valences.
 
+pub use crate::noise::Random;
 use std::collections::{BTreeMap, BTreeSet};
 use subdiv_rtl::fixed::Format;
 use subdiv_rtl::mesh::{Mesh, quantise, shape, widest_format};
 use subdiv_rtl::surface::catmull_clark::control::control;
 use subdiv_rtl::surface::catmull_clark::masks::Corners;
 use subdiv_rtl::surface::catmull_clark::quad_mesh::QuadMesh;
-
-/// Deterministic random numbers (splitmix64).
-pub struct Random(pub u64);
-
-impl Random {
-    pub fn bits(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
-    pub fn below(&mut self, n: usize) -> usize {
-        (self.bits() % n as u64) as usize
-    }
-
-    /// A coordinate of `width` bits; one in four is an extreme one.
-    pub fn coordinate(&mut self, width: u32) -> i64 {
-        match self.below(8) {
-            0 => -(1 << (width - 1)),
-            1 => (1 << (width - 1)) - 1,
-            _ => (self.bits() as i64) >> (64 - width),
-        }
-    }
-}
 
 /// The same quads with random positions of `width` bits.
 pub fn shaken(quads: Vec<[u32; 4]>, width: u32, seed: u64) -> QuadMesh {

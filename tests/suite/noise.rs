@@ -26,3 +26,28 @@ impl Noise {
         (u128::from(self.next()) << 64 | u128::from(self.next())) as i128
     }
 }
+
+/// The same numbers for meshes, which count in `usize`.
+pub struct Random(pub u64);
+
+impl Random {
+    pub fn bits(&mut self) -> u64 {
+        let mut noise = Noise(self.0);
+        let bits = noise.next();
+        self.0 = noise.0;
+        bits
+    }
+
+    pub fn below(&mut self, n: usize) -> usize {
+        (self.bits() % n as u64) as usize
+    }
+
+    /// A coordinate of `width` bits; one in four is an extreme one.
+    pub fn coordinate(&mut self, width: u32) -> i64 {
+        match self.below(8) {
+            0 => -(1 << (width - 1)),
+            1 => (1 << (width - 1)) - 1,
+            _ => (self.bits() as i64) >> (64 - width),
+        }
+    }
+}

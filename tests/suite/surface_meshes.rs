@@ -1,5 +1,6 @@
 //! Small control meshes, and a sample-by-sample evaluation by masks, for the tests of `surface` and `model`.
 
+pub use crate::noise::Random;
 use std::collections::BTreeSet;
 use subdiv_rtl::surface::assembly::Assembly;
 use subdiv_rtl::surface::basis;
@@ -8,31 +9,6 @@ use subdiv_rtl::surface::fine_grid::FineGrid;
 use subdiv_rtl::surface::hierarchy::Patch;
 use subdiv_rtl::surface::packets::patches;
 use subdiv_rtl::surface::table::Table;
-
-/// Deterministic random numbers (splitmix64).
-pub struct Random(pub u64);
-
-impl Random {
-    pub fn bits(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
-    pub fn below(&mut self, n: usize) -> usize {
-        (self.bits() % n as u64) as usize
-    }
-
-    /// A coordinate of `width` bits; one in four is an extreme one.
-    pub fn coordinate(&mut self, width: u32) -> i64 {
-        match self.below(8) {
-            0 => -(1 << (width - 1)),
-            1 => (1 << (width - 1)) - 1,
-            _ => (self.bits() as i64) >> (64 - width),
-        }
-    }
-}
 
 /// The same triangles with random positions of `width` bits.
 pub fn shaken(triangles: Vec<[u32; 3]>, width: u32, seed: u64) -> ControlMesh {

@@ -6,8 +6,8 @@
 //!                  └── each times a constant of the family, fitted to cores that were placed and routed (calibration)
 //! ```
 //!
-//! `cargo test --release --test suite calibration:: -- --ignored measured_anew` measures all cores of the table anew and fits
-//! the constants; `fitted_anew` only fits.
+//! `cargo test --release --test suite calibration:: -- --ignored measured_anew` measures all cores of the table anew and
+//! fits the constants; `fitted_anew` only fits.
 
 pub mod calibration;
 mod cover;
