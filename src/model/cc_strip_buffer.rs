@@ -28,8 +28,9 @@ pub(super) struct Buffered {
     unasked: u32,
     behind: Behind,
     free: u32,
-    /// What is issued into a deep one counts a clock later.
+    /// What is issued into a deep one counts a clock later, and so does what is taken from there.
     seen: Option<bool>,
+    returned: Option<bool>,
     issued: bool,
     taken: bool,
     pub(super) room: bool,
@@ -96,8 +97,8 @@ impl Buffered {
                 Behind::Near(Box::new(near))
             }
         };
-        let seen = near.map(|_| false);
-        Buffered { seen, ..Buffered::before(behind, words, unasked) }
+        let late = near.map(|_| false);
+        Buffered { seen: late, returned: late, ..Buffered::before(behind, words, unasked) }
     }
 
     fn before(behind: Behind, words: u32, unasked: u32) -> Buffered {
@@ -109,6 +110,7 @@ impl Buffered {
             behind,
             free: words,
             seen: None,
+            returned: None,
             issued: false,
             taken: false,
             room: true,
@@ -131,7 +133,10 @@ impl Buffered {
         self.way.push_front(issue);
         let push = self.way.pop_back().unwrap_or(false);
         self.stored = self.stored + u32::from(push) - u32::from(take);
-        let issue = self.seen.as_mut().map_or(issue, |seen| std::mem::replace(seen, issue));
+        let late = |register: &mut Option<bool>, now| {
+            register.as_mut().map_or(now, |was| std::mem::replace(was, now))
+        };
+        let (issue, take) = (late(&mut self.seen, issue), late(&mut self.returned, take));
         self.room = self.free > RESERVE + self.unasked;
         self.empty = self.free == self.words && !self.issued && !issue;
         self.free = self.free + u32::from(self.taken) - u32::from(self.issued);

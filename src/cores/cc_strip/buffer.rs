@@ -65,27 +65,30 @@ pub fn row(name: &str, log_depth: u32, deep: bool, lanes: &[(&str, Word)]) -> Re
     }
 }
 
-/// The pointers of a FIFO, and whether there is a word.
+/// The pointers of a FIFO, and whether there is a word: for who reads, and a copy for who counts.
 struct Pointers {
     written: Signal,
     read: Signal,
     some: Signal,
+    counted: Signal,
 }
 
 impl Pointers {
     fn new(m: &Builder, log_depth: u32) -> Pointers {
         let [written, read] =
             [WRITTEN, "read"].map(|name| m.register_reset(name, Word::unsigned(log_depth), 0));
-        Pointers { written, read, some: m.register_reset("some", Word::bit(), 0) }
+        let [some, counted] = ["some", "some_counted"].map(|name| own(m, name, 0));
+        Pointers { written, read, some, counted }
     }
 
-    fn moves(&self, m: &Builder, push: &Signal, take: &Signal) {
+    /// `takes` is `take`, decided by what stands beside the counts.
+    fn moves(&self, m: &Builder, push: &Signal, take: &Signal, takes: &Signal) {
         let depth = self.written.word().range.max + 1;
         for (when, pointer) in [(push, &self.written), (take, &self.read)] {
             m.on(when, pointer, m.wrap(pointer + 1, pointer.word()));
         }
         // Counts stand less what they are compared with, so that their signs tell.
-        let moves = m.wire("stored_changes", push ^ take);
+        let moves = m.wire("stored_changes", push ^ takes);
         let [step_up, step_down] = [1, -1].map(|step| m.constant(step, Word::range(-1, 1)));
         let step = m.select(push, &step_up, &step_down);
         let at_least = |least: i128| {
@@ -95,8 +98,15 @@ impl Pointers {
             m.wire(format!("stores_{least}"), !&m.slice(&count, word.width() - 1, 1))
         };
         let [one, two] = [1, 2].map(at_least);
-        m.always(&self.some, m.any(&[push, &two, &(&one & !take)]));
+        for some in [&self.some, &self.counted] {
+            m.always(some, m.any(&[push, &two, &(&one & !takes)]));
+        }
     }
+}
+
+/// A flag of which there are copies, each beside who reads it.
+fn own(m: &Builder, name: &str, reset: i128) -> Signal {
+    m.unmerged(m.register_reset(name, Word::bit(), reset))
 }
 
 /// The ports that every FIFO has: `push`, `ready` and the lanes.
@@ -114,10 +124,11 @@ fn plain(name: &str, log_depth: u32, lanes: &[(&str, Word)]) -> Result<Rc<Module
     let (push, ready, inputs) = ports(&m, lanes);
     let pointers = Pointers::new(&m, log_depth);
     let valid = m.register_reset("valid", Word::bit(), 0);
-    let take = m.wire("take", &pointers.some & (!&valid | &ready));
+    let takes = |some: &Signal| some & (!&valid | &ready);
+    let take = m.wire("take", takes(&pointers.some));
     m.on(&pointers.some, &valid, m.bit(true));
     m.on(&ready, &valid, m.bit(false));
-    pointers.moves(&m, &push, &take);
+    pointers.moves(&m, &push, &take, &m.wire("takes", takes(&pointers.counted)));
     m.output("take", &take);
     m.output("valid", &valid);
     for ((name, word), input) in lanes.iter().zip(&inputs) {
@@ -136,15 +147,24 @@ fn near(name: &str, lanes: &[(&str, Word)]) -> Result<Rc<Module>> {
     m.purpose("A short FIFO: what it reads does not ask the consumer.");
     let (push, ready, inputs) = ports(&m, lanes);
     let pointers = Pointers::new(&m, LOG_NEAR);
-    let flag = |name: &str, reset: i128| m.register_reset(name, Word::bit(), reset);
-    let [valid, middle, spare] = [("valid", 0), ("in_the_middle", 0), ("spare", 1)].map(|(n, r)| flag(n, r));
+    // The output may lie far from the RAM, and the counts from both: all have flags of their own.
+    let flags = |reader: &str, some: &Signal| {
+        let own = |name: &str, reset: i128| own(&m, &format!("{name}_{reader}"), reset);
+        let (valid, middle, spare) = (own("valid", 0), own("in_the_middle", 0), own("spare", 1));
+        m.always(&valid, m.any(&[&(&valid & !&ready), &!&spare, &middle]));
+        m.on(some, &middle, m.bit(true));
+        m.on(&spare, &middle, m.bit(false));
+        m.always(&spare, m.any(&[&!&valid, &ready, &(&spare & !&middle)]));
+        [valid, middle, spare]
+    };
+    let takes = |reader: &str, some: &Signal| {
+        let [_, middle, spare] = flags(reader, some);
+        some & (!middle | spare)
+    };
+    let take = m.wire("take", takes("read", &pointers.some));
+    pointers.moves(&m, &push, &take, &m.wire("takes", takes("counted", &pointers.counted)));
+    let [valid, _, spare] = flags("put_out", &pointers.some);
     let free = m.wire("free", !&valid | &ready);
-    m.on(&pointers.some, &middle, m.bit(true));
-    m.on(&spare, &middle, m.bit(false));
-    m.always(&spare, &free | &(&spare & &!&middle));
-    m.on(&free, &valid, !&spare | &middle);
-    let take = m.wire("take", &pointers.some & (!&middle | &spare));
-    pointers.moves(&m, &push, &take);
     m.output("take", &take);
     m.output("valid", &valid);
     for ((name, word), input) in lanes.iter().zip(&inputs) {
@@ -168,7 +188,7 @@ fn far(name: &str, log_depth: u32, lanes: &[(&str, Word)]) -> Result<Rc<Module>>
     let pointers = Pointers::new(&m, log_depth);
     let room = m.forward("has_room", Word::bit());
     let take = m.wire("take", &pointers.some & &room);
-    pointers.moves(&m, &push, &take);
+    pointers.moves(&m, &push, &take, &m.wire("takes", &pointers.counted & &room));
     let mut into = vec![
         ("push".to_string(), m.restart(&m.delay_reset(&take, FETCHES, 0), 0)),
         ("ready".to_string(), ready),

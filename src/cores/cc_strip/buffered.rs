@@ -130,16 +130,21 @@ impl<'a> Output<'a> {
         let mut flags = vec![("strip_end", m.wire("ends_strip", &ending & &ends))];
         flags.extend(sliced.then(|| ("column_end", ends.clone())));
         let flags = fifo("flags", &push_row("flags"), &flags)?;
-        let credits = m.instance(
-            "room",
-            &buffer::credits(log_depth, unasked)?,
-            &[("issue", &issue), ("take", &flags.out("take"))],
-        );
+        // The flags lie far from the levels.
+        let taken = match walked {
+            true => here(&m.pipe_reset("taken_late", flags.out("take"), 0)),
+            false => flags.out("take"),
+        };
+        let credits =
+            m.instance("room", &buffer::credits(log_depth, unasked)?, &[("issue", &issue), ("take", &taken)]);
         // Where coordinates take turns, x and y wait for z.
         let coarse = &self.is[..self.parameters.axes_in_turn as usize];
         let takes_turns = match coarse {
             [] => m.bit(false),
-            _ => m.restart(&m.pipe("takes_turns", m.any(&coarse.iter().collect::<Vec<_>>())), 0),
+            _ => {
+                let turns = m.copy("strip_takes_turns", m.any(&coarse.iter().collect::<Vec<_>>()));
+                m.restart(&m.copy("takes_turns", &turns), 0)
+            }
         };
         let period = self.offers.iter().map(|offer| offer.period).max().unwrap_or(0);
         let together = |name: &str, signal: Signal, axis: usize| {
@@ -226,7 +231,9 @@ impl<'a> Output<'a> {
         let first = first.unwrap_or_else(|| m.constant(0, self.parameters.word(self.parameters.levels)));
         let rest = pairs.fold(first, |other, (pair, chosen)| {
             let here: Vec<&Signal> = pair.iter().map(|(level, _)| &self.is[*level as usize - 1]).collect();
-            let here = own(format!("of_{}", pair[0].0), &m.any(&here), chosen.time().unwrap_or(0));
+            let of = format!("of_{}", pair[0].0);
+            let here = m.copy(format!("{name}_comes_{of}"), m.any(&here));
+            let here = own(of, &here, chosen.time().unwrap_or(0));
             m.select(&here, &chosen, &other)
         });
         m.pipe(name, &rest)

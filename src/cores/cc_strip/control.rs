@@ -34,6 +34,13 @@ pub(super) struct Flags {
     pub valences: [Signal; 2],
 }
 
+/// That a column is whole: any, the left guard of the strip, another one.
+pub(super) struct Whole {
+    pub any: Signal,
+    pub first: Signal,
+    pub other: Signal,
+}
+
 /// The inputs of the control of a group, of either kind.
 pub(super) struct Ports {
     pub valid: Signal,
@@ -137,6 +144,7 @@ pub fn build(index: usize, group: &Group, registered: bool) -> Result<Rc<Module>
         m.output(format!("shift_{l}"), m.wire(format!("shift_{l}"), &write & &flags.begins));
         m.output(format!("write_{l}"), &write);
         let whole = m.wire(format!("arrived_{l}"), &write & &flags.ends);
+        let whole = Whole { first: &whole & &flags.first, other: &whole & !&flags.first, any: whole };
         level.moves(&m, group.double, &turn.done[at], &whole, flags);
     }
 
@@ -269,19 +277,20 @@ impl Level {
     }
 
     /// `done`: a column has left; `whole`: one has arrived.
-    pub fn moves(&self, m: &Builder, double: bool, done: &Signal, whole: &Signal, flags: &Flags) {
+    pub fn moves(&self, m: &Builder, double: bool, done: &Signal, whole: &Whole, flags: &Flags) {
         let l = self.level;
         let none = m.is(&self.age, 0);
-        let first = m.wire(format!("first_{l}"), whole & &flags.first);
-        let second = m.wire(format!("second_{l}"), m.all(&[whole, &!&flags.first, &none]));
-        let later = m.wire(format!("later_{l}"), m.all(&[whole, &!&flags.first, &!&none]));
+        let Whole { any: whole, first, other } = whole;
+        let first = m.wire(format!("first_{l}"), first);
+        let second = m.wire(format!("second_{l}"), other & &none);
+        let later = m.wire(format!("later_{l}"), other & !&none);
         for (when, age) in [(&first, 0), (&second, 1), (&later, 2)] {
             m.on(when, &self.age, m.constant(age, self.age.word()));
         }
         m.on(&later, &self.vertex, m.bit(true));
         m.on(done, &self.vertex, m.bit(false));
         if !double {
-            m.on(&(&second | &later), &self.leaves, m.bit(true));
+            m.on(other, &self.leaves, m.bit(true));
             m.on(&(done & !&self.vertex), &self.leaves, m.bit(false));
         }
         m.on(whole, &self.guarded, &flags.last);

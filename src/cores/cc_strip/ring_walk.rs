@@ -165,15 +165,22 @@ pub fn build(parameters: Parameters, level: u32) -> Result<Rc<Module>> {
     let walk = Steps::new(&m, "walk", &start, times.steps);
     // Valences stand from before the first step on; the number of the last step of a ring is one less.
     let word_of_step = Word::unsigned((times.steps - 1).ilog2() + 1);
-    let ends_at = valences.map(|valence| {
+    let ends_of = valences.map(|valence| {
         let name = format!("{}_less_1", valence.name().unwrap_or_default());
         m.restart(&m.pipe(name, m.wrap(&valence - 1, word_of_step)), 0)
     });
-    let ends_at = m.pipe("ends_at", m.select(&walk.bottom, &ends_at[1], &ends_at[0]));
+    let ends_at = m.pipe("ends_at", m.select(&walk.bottom, &ends_of[1], &ends_of[0]));
     let number = m.pipe("number", m.wrap(&walk.number, word_of_step));
     let active = m.pipe("active", &walk.active);
     let bottom = m.pipe("at_bottom", &walk.bottom);
-    let at_right = m.wire("at_right", m.compare(Relation::Equal, &number, &ends_at));
+    // Known of both ends in the step before.
+    let of_end = |name: &str, is: &dyn Fn(&Signal) -> Signal| {
+        let [top, low] =
+            [0, 1].map(|end| m.pipe(format!("{}_{name}", End::BOTH[end].name()), is(&ends_of[end])));
+        m.wire(name, m.select(&bottom, &low, &top))
+    };
+    let at_right =
+        of_end("at_right", &|ends| m.compare(Relation::Equal, &m.wrap(&walk.number, word_of_step), ends));
     let passed = m.register_at("passed", Word::bit(), None, 1);
     let counts = m.pipe("counts", &active & !&passed);
     let step = |step: u32| &active & m.is(&number, step.into());
@@ -186,7 +193,7 @@ pub fn build(parameters: Parameters, level: u32) -> Result<Rc<Module>> {
     // The places of a ring in their order, the last one right, whatever the valence.
     let count = parameters.max_valence;
     let index = Word::unsigned((count - 1).ilog2() + 1);
-    let again = m.is(&ends_at, 2) & m.is(&number, 3);
+    let again = of_end("again", &|ends| &m.is(ends, 2) & &m.is(&walk.number, 3));
     let place = m.select(&at_right, m.constant(i128::from(count) - 1, index), m.wrap(&number, index));
     let place = m.select(&again, m.constant(0, index), &place);
     let place = m.pipe("place", m.wrap(&place, index));

@@ -28,8 +28,6 @@ pub struct Sending {
     pub leaves: Signal,
     /// It is the first one, of a coordinate where they take turns.
     pub begins: Signal,
-    /// It is the first one of the column.
-    pub starts: Signal,
     /// It is the last one of the column.
     pub whole: Signal,
     /// The last clock that the column takes.
@@ -62,16 +60,7 @@ pub fn at_once(m: &Builder, group: &Group, starts: &Signal) -> Sending {
     };
     m.on(starts, &sends, m.bit(true));
     m.on(&last, &sends, m.bit(false));
-    Sending {
-        leaves: sends.clone(),
-        whole: last.clone(),
-        done: last,
-        sends,
-        starts: begins.clone(),
-        begins,
-        slice,
-        axis: None,
-    }
+    Sending { leaves: sends.clone(), whole: last.clone(), done: last, sends, begins, slice, axis: None }
 }
 
 /// One coordinate after the other, the first in the clock after `starts`.
@@ -79,8 +68,6 @@ pub fn in_turn(m: &Builder, group: &Group, starts: &Signal, vertex: &Signal, per
     let flag = |name: &str| m.register_reset(name, Word::bit(), 0);
     let period = i128::from(period);
     let [sends, begins, ends_turn, at_z] = ["sends", "sends_first_slice", "ends_turn", "at_z"].map(flag);
-    let first = flag("sends_first_of_all");
-    m.always(&first, starts);
     let clock = m.register_reset(PERIOD, Word::range(0, period - 1), 0);
     let axis = m.register_reset("axis", axis_word(), 0);
     let ending = m.wire("turn_is_ending", &sends & m.is(&clock, period - 2));
@@ -118,5 +105,5 @@ pub fn in_turn(m: &Builder, group: &Group, starts: &Signal, vertex: &Signal, per
     m.on(starts, &sends, m.bit(true));
     m.on(&done, &sends, m.bit(false));
     let whole = m.wire("column_is_whole", &last & &at_z);
-    Sending { sends, leaves, begins, starts: first, whole, done, slice, axis: Some(axis) }
+    Sending { sends, leaves, begins, whole, done, slice, axis: Some(axis) }
 }

@@ -7,18 +7,20 @@
 //! ```
 //!
 //! One counter of a module serves all RAMs of a kind. It alone is reset, and one register alone reads it: that one and the
-//! next may be copied all over the device, for a copy needs no reset, which reaches few registers in a clock.
+//! next may be copied all over the device, for a copy needs no reset, which reaches few registers in a clock. One
+//! register less k serves all waits of k clocks, each by way of a copy.
 //!
 //! Block RAMs stand in few rows of a device, which makes wires longer, and yet the clock is higher: the lookup tables that
 //! they spare are the place in which the units have to lie close together.
 
-use std::cell::OnceCell;
+use std::cell::{OnceCell, RefCell};
+use std::collections::BTreeMap;
 
 use super::Parameters;
 use crate::hdl::{Builder, Signal, Word};
 
 /// What RAMs are made of.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Kind {
     LookupTables,
     Blocks,
@@ -73,12 +75,18 @@ pub struct Waits<'a> {
     pub m: &'a Builder,
     blocks: bool,
     turns: [OnceCell<Signal>; 2],
+    behind: RefCell<BTreeMap<(Kind, i128), Signal>>,
 }
 
 impl<'a> Waits<'a> {
     /// Those of a core that sends slices take block RAMs.
     pub fn new(m: &'a Builder, parameters: Parameters) -> Waits<'a> {
-        Waits { m, blocks: parameters.walked(), turns: [const { OnceCell::new() }; 2] }
+        Waits {
+            m,
+            blocks: parameters.walked(),
+            turns: [const { OnceCell::new() }; 2],
+            behind: RefCell::default(),
+        }
     }
 
     /// The counter, which never stops, two clocks late.
@@ -157,13 +165,22 @@ impl<'a> Waits<'a> {
         let m = self.m;
         let turn = self.turn(kind);
         let (before, behind) = kind.registers();
-        // The register of the difference is a clock late, and what it holds a clock on.
-        let back = i128::from(until - from - before - behind) - 2;
+        // The registers of the difference are two clocks late, and what they hold two clocks on.
+        let back = i128::from(until - from - before - behind) - 3;
         let address = |port: &str, nth: usize, value: &Signal| {
             m.restart(&m.copy(format!("{name}_{nth}_{port}"), value), from + before)
         };
-        let read = m.wrap(turn - back, turn.word());
-        let read = m.restart(&m.copy(format!("{name}_behind"), &read), turn.time().unwrap_or(0));
+        let now = turn.time().unwrap_or(0);
+        let read = self
+            .behind
+            .borrow_mut()
+            .entry((kind, back))
+            .or_insert_with(|| {
+                let behind = m.pipe(format!("{}_less_{back}", kind.name()), m.wrap(turn - back, turn.word()));
+                m.restart(&behind, now)
+            })
+            .clone();
+        let read = m.restart(&m.copy(format!("{name}_behind"), &read), now);
         let mut addresses = [turn.clone(), read.clone()];
         let mut late = vec![];
         for (nth, (word, signal)) in signals.iter().enumerate() {

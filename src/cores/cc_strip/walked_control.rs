@@ -11,7 +11,7 @@
 use std::rc::Rc;
 
 use super::VALENCE_BITS;
-use super::control::{Flags, Level, Ports, WALKS};
+use super::control::{Flags, Level, Ports, WALKS, Whole};
 use super::schedule::Group;
 use super::sending::{self, Sending};
 use crate::error::Result;
@@ -37,18 +37,19 @@ pub fn build(index: usize, group: &Group, walks: u32) -> Result<Rc<Module>> {
         true => sending::in_turn(&m, group, &start, &level.vertex, period),
         false => sending::at_once(&m, group, &start),
     };
-    let Sending { sends, leaves, begins, starts, whole: sent, done, slice, axis } = sending;
+    let Sending { sends, leaves, begins, whole: sent, done, slice, axis } = sending;
     // The next level knows of a column a clock after that was whole.
     let target = m.register_reset("may_send", Word::bit(), 0);
     m.always(&target, m.select(&to_output, &output_ready, &next_ready & !&sends));
     m.drive(&start, m.wire("begins_to_send", m.all(&[&level.leaves, &!&sends, &target])));
+    // What leaves is known a clock before, at the latest.
+    let first_walk = m.restart(&m.pipe_reset("first_walk", &start & &level.vertex, 0), 0);
 
     // The window stands as long as its ends are being looked at.
     let walk = m.wire("walk", &begins & &level.vertex);
     let walks = if axis.is_some() { 2 * period + walks } else { walks };
     let rest = m.register_reset(WALKS, Word::range(0, walks.into()), 0);
     let stands = m.register_reset("stands", Word::bit(), 0);
-    let first_walk = m.wire("first_walk", &starts & &level.vertex);
     m.on(&first_walk, &rest, m.constant(walks.into(), rest.word()));
     m.on(&stands, &rest, m.wrap(&rest - 1, rest.word()));
     // It stands for more than two clocks, and no other column leaves meanwhile but the one between.
@@ -58,8 +59,14 @@ pub fn build(index: usize, group: &Group, walks: u32) -> Result<Rc<Module>> {
     m.on(&falls, &stands, m.bit(false));
 
     // A column that is whole counts a clock later.
-    let whole = m.pipe_reset(format!("arrived_{l}"), &valid & &incoming.ends, 0);
-    let whole = m.restart(&whole, 0);
+    let known = |name: &str, now: Signal| m.restart(&m.pipe_reset(format!("{name}_{l}"), now, 0), 0);
+    let ends = m.wire("is_whole", &valid & &incoming.ends);
+    let whole = known("arrived", ends.clone());
+    let kinds = Whole {
+        any: whole.clone(),
+        first: known("first_arrived", &ends & &incoming.first),
+        other: known("other_arrived", &ends & !&incoming.first),
+    };
     let late = |name: &str, signal: &Signal| m.restart(&m.pipe(format!("{name}_arrived"), signal), 0);
     let arrived = Flags {
         begins: incoming.begins.clone(),
@@ -68,7 +75,7 @@ pub fn build(index: usize, group: &Group, walks: u32) -> Result<Rc<Module>> {
         last: late("last", &incoming.last),
         valences: [0, 1].map(|end| late(["top", "bottom"][end], &incoming.valences[end])),
     };
-    level.moves(&m, false, &done, &whole, &arrived);
+    level.moves(&m, false, &done, &kinds, &arrived);
     let rests = m.wire("rests", !(&level.leaves | &whole));
 
     let face = m.wire("is_face", !&level.vertex);
