@@ -20,6 +20,8 @@ use std::time::{Duration, Instant};
 
 /// Lines of a failed program's output that the message shows.
 const TAIL: usize = 12;
+/// So often a program's owner is asked whether it goes on.
+const ASKED: Duration = Duration::from_millis(300);
 /// A question for a version takes no longer than this.
 const QUESTION: Duration = Duration::from_secs(30);
 
@@ -28,17 +30,29 @@ const QUESTION: Duration = Duration::from_secs(30);
 /// [`Kind::ToolMissing`] when it is not installed, [`Kind::ToolFailed`] when it reports a failure (with
 /// the tail of its output) or was stopped after `settings.timeout`.
 pub(crate) fn run(line: &[String], folder: &Path, log: &Path, settings: &Settings) -> Result<()> {
+    run_while(line, folder, log, settings, &|| true).map(drop)
+}
+
+/// The same as long as `goes_on` says so, which is asked several times a second; whether the program came to its end.
+pub(crate) fn run_while(
+    line: &[String],
+    folder: &Path,
+    log: &Path,
+    settings: &Settings,
+    goes_on: &dyn Fn() -> bool,
+) -> Result<bool> {
     let output = File::create(log).map_err(|error| {
         Error::new(Kind::ToolFailed, format!("cannot write a log: {error}")).at(log.display())
     })?;
     let name = program_name(&line[0]);
-    match start(line, folder, output, settings)? {
-        Some(status) if status.success() => Ok(()),
-        Some(status) => {
+    match start(line, folder, output, settings, goes_on)? {
+        End::Stopped => Ok(false),
+        End::Status(status) if status.success() => Ok(true),
+        End::Status(status) => {
             Err(Error::new(Kind::ToolFailed, format!("{name} failed ({status}):\n{}", tail(log)))
                 .at(log.display()))
         }
-        None => Err(Error::new(
+        End::Late => Err(Error::new(
             Kind::ToolFailed,
             format!("{name} was stopped: it ran longer than {:?}", settings.timeout),
         )
@@ -58,7 +72,7 @@ pub(crate) fn ask_within(limit: Duration, line: &[String], settings: &Settings) 
     let mut file = tempfile::tempfile().map_err(cannot)?;
     let output = file.try_clone().map_err(cannot)?;
     let settings = Settings { timeout: limit, ..settings.clone() };
-    if start(line, Path::new("."), output, &settings)?.is_none() {
+    if start(line, Path::new("."), output, &settings, &|| true)? == End::Late {
         let what = format!("{} did not answer within {limit:?}", line.join(" "));
         return Err(Error::new(Kind::ToolFailed, what));
     }
@@ -67,8 +81,24 @@ pub(crate) fn ask_within(limit: Duration, line: &[String], settings: &Settings) 
     Ok(String::from_utf8_lossy(&bytes).into_owned())
 }
 
-/// `None` when it had to be stopped. A program with a `/` in its name is taken as it is.
-fn start(line: &[String], folder: &Path, output: File, settings: &Settings) -> Result<Option<ExitStatus>> {
+/// How a program came to an end.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum End {
+    Status(ExitStatus),
+    /// It took too long.
+    Late,
+    /// Nobody wants it any more.
+    Stopped,
+}
+
+/// A program with a `/` in its name is taken as it is.
+fn start(
+    line: &[String],
+    folder: &Path,
+    output: File,
+    settings: &Settings,
+    goes_on: &dyn Fn() -> bool,
+) -> Result<End> {
     let program = match line[0].contains('/') {
         true => line[0].clone().into(),
         false => tools::find(&line[0], settings).ok_or_else(|| tools::missing(&line[0]))?,
@@ -93,29 +123,34 @@ fn start(line: &[String], folder: &Path, output: File, settings: &Settings) -> R
             return Err(cannot(error));
         }
     };
-    match wait(&mut child, settings.timeout).map_err(cannot)? {
-        Some(status) => {
-            guard.dismiss();
-            Ok(Some(status))
-        }
-        None => {
+    let end = wait(&mut child, settings.timeout, goes_on).map_err(cannot)?;
+    match end {
+        End::Status(_) => guard.dismiss(),
+        End::Late | End::Stopped => {
             guard.strike();
             child.wait().map_err(cannot)?;
-            Ok(None)
         }
     }
+    Ok(end)
 }
 
 /// Waits at most so long.
-fn wait(child: &mut Child, timeout: Duration) -> std::io::Result<Option<ExitStatus>> {
+fn wait(child: &mut Child, timeout: Duration, goes_on: &dyn Fn() -> bool) -> std::io::Result<End> {
     let begun = Instant::now();
+    let mut asked = Duration::ZERO;
     loop {
         if let Some(status) = child.try_wait()? {
-            return Ok(Some(status));
+            return Ok(End::Status(status));
         }
         let elapsed = begun.elapsed();
         if elapsed >= timeout {
-            return Ok(None);
+            return Ok(End::Late);
+        }
+        if elapsed - asked >= ASKED {
+            asked = elapsed;
+            if !goes_on() {
+                return Ok(End::Stopped);
+            }
         }
         let pause = (elapsed / 50).clamp(Duration::from_micros(200), Duration::from_millis(20));
         std::thread::sleep(pause.min(timeout - elapsed));

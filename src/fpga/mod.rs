@@ -3,7 +3,7 @@
 //! ```text
 //!   core ─► Verilog ─┐
 //!            harness ┴► Yosys ─► netlist ─► tidied ─► nextpnr, once for each seed ─► clock, area, critical path
-//!                                   └─► cells by unit
+//!                                   └─► cells by unit   └─► on ECP5: placed ─► moved ─► routed
 //! ```
 //!
 //! The tidied netlist of the core alone can also be simulated ([`GateLevel`]).
@@ -16,6 +16,7 @@
 mod block_outputs;
 mod cache;
 mod cell_models;
+mod detailed_placement;
 mod device;
 pub mod estimate;
 mod fan_out;

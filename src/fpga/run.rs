@@ -12,6 +12,8 @@ use crate::error::Result;
 pub enum Stage {
     Synthesis,
     Placement,
+    /// By this program, between the other two.
+    DetailedPlacement,
     Routing,
 }
 
@@ -29,6 +31,21 @@ pub(super) fn run(
     settings: &Settings,
     progress: Progress,
 ) -> Result<()> {
+    run_within(None, line, folder, first, settings, progress).map(drop)
+}
+
+/// The same, but the router has only so many iterations; whether it came to its end with them.
+///
+/// # Errors
+/// As [`process::run`].
+pub(super) fn run_within(
+    iterations: Option<u32>,
+    line: &[String],
+    folder: &Path,
+    first: Stage,
+    settings: &Settings,
+    progress: Progress,
+) -> Result<bool> {
     let log = folder.join("log");
     let done = AtomicBool::new(false);
     progress(first);
@@ -44,13 +61,41 @@ pub(super) fn run(
                 }
             });
         }
-        let result = process::run(line, folder, &log, settings);
+        let within = || iterations.is_none_or(|most| iterations_of(&log) <= most);
+        let result = process::run_while(line, folder, &log, settings, &within);
         done.store(true, Ordering::Relaxed);
-        result
+        // It may have ended before anybody looked.
+        Ok(result? && within())
     })
+}
+
+/// Iterations that the second router says that it has made.
+fn iterations_of(log: &Path) -> u32 {
+    let text = std::fs::read_to_string(log).unwrap_or_default();
+    let last = text.rsplit_once("iter=").map(|(_, rest)| rest);
+    last.and_then(|rest| rest.split(' ').next()?.parse().ok()).unwrap_or(0)
 }
 
 /// Whether nextpnr says that it routes.
 fn routes(log: &Path) -> bool {
     std::fs::read(log).is_ok_and(|text| text.windows(9).any(|window| window == b"Routing.."))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_router_that_needs_too_many_iterations_is_stopped() {
+        let folder = tempfile::tempdir().unwrap();
+        let runs = |script: &str| {
+            let line: Vec<String> = ["/bin/sh", "-c", script].map(String::from).into();
+            let settings = Settings { timeout: Duration::from_secs(60), ..Settings::default() };
+            run_within(Some(7), &line, folder.path(), Stage::Routing, &settings, &|_| {}).unwrap()
+        };
+        assert!(runs("echo 'iter=6 wires=3'; echo 'iter=7 wires=3'"));
+        // One that would go on for longer than anybody waits, and one that has ended meanwhile.
+        assert!(!runs("echo 'iter=8 wires=3'; sleep 50"));
+        assert!(!runs("echo 'iter=8 wires=3'"));
+    }
 }

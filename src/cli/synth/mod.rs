@@ -275,6 +275,7 @@ fn measured(label: &str, subject: &Subject, options: &fpga::Options) -> Result<R
         shown.say(match stage {
             Stage::Synthesis => format!("{label}synthesis"),
             Stage::Placement => format!("{label}placement, seed {seed} of {}", options.seeds),
+            Stage::DetailedPlacement => format!("{label}moving cells, seed {seed} of {}", options.seeds),
             Stage::Routing => format!("{label}routing, seed {seed} of {}", options.seeds),
         });
     })

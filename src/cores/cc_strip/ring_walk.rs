@@ -180,7 +180,7 @@ pub fn build(parameters: Parameters, level: u32) -> Result<Rc<Module>> {
         m.wire(name, m.select(&bottom, &low, &top))
     };
     let at_right =
-        of_end("at_right", &|ends| m.compare(Relation::Equal, &m.wrap(&walk.number, word_of_step), ends));
+        of_end("at_right", &|ends| m.compare(Relation::Equal, m.wrap(&walk.number, word_of_step), ends));
     let passed = m.register_at("passed", Word::bit(), None, 1);
     let counts = m.pipe("counts", &active & !&passed);
     let step = |step: u32| &active & m.is(&number, step.into());

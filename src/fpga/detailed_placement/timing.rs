@@ -1,0 +1,115 @@
+//! Arrival times, slacks, and what each arc may take.
+//!
+//! ```text
+//!   slack  = required - arrival - delay
+//!   budget = delay (routing of the longest path through the arc + its slack) / routing of that path
+//! ```
+//!
+//! So every wire of a path that is too long is asked for the same share of what the path is to lose.
+
+use super::delays::{clock_to_output, setup, through};
+use super::design::Design;
+
+/// No wire is shorter.
+const SHORTEST: f32 = 0.36;
+
+/// What an analysis found.
+#[derive(Clone, Debug, Default)]
+pub struct Analysis {
+    /// The longest path.
+    pub longest: f32,
+    /// Paths longer than the target, counted at their ends.
+    #[cfg_attr(not(test), allow(dead_code))]
+    pub failing: usize,
+    /// Arcs on paths longer than the target, those of the longest first.
+    pub late: Vec<u32>,
+}
+
+/// Of every net: when it arrives, and how much of that are wires.
+struct Arrivals {
+    at: Vec<f32>,
+    wires: Vec<f32>,
+}
+
+impl Design {
+    fn arrivals(&self) -> Arrivals {
+        let mut at = vec![f32::NEG_INFINITY; self.nets.len()];
+        let mut wires = vec![0.0; self.nets.len()];
+        for &number in &self.order {
+            let net = &self.nets[number as usize];
+            if net.ignored {
+                continue;
+            }
+            let cell = &self.cells[net.driver as usize];
+            let number = number as usize;
+            if let Some(start) = clock_to_output(cell.kind, net.from_array) {
+                at[number] = start;
+                continue;
+            }
+            for pin in cell.pins.iter().filter(|pin| !pin.drives()) {
+                let Some(within) = through(cell, pin.port, net.port) else { continue };
+                let delay = self.delay(&self.arcs[pin.arc as usize]);
+                let arrival = at[pin.net as usize] + delay + within;
+                if arrival > at[number] {
+                    (at[number], wires[number]) = (arrival, wires[pin.net as usize] + delay);
+                }
+            }
+        }
+        Arrivals { at, wires }
+    }
+
+    /// Sets the budgets for a target.
+    pub fn analyse(&mut self, target: f32) -> Analysis {
+        let Arrivals { at, wires } = self.arrivals();
+        let mut found = Analysis::default();
+        // Of every net: until when it must be there, and the wires behind it on the path that says so.
+        let mut required = vec![(f32::INFINITY, 0.0f32); self.nets.len()];
+        let mut late = vec![];
+        for position in (0..self.order.len()).rev() {
+            let number = self.order[position] as usize;
+            let net = &self.nets[number];
+            if net.ignored {
+                continue;
+            }
+            let mut first = (f32::INFINITY, 0.0f32);
+            for at_arc in 0..net.arcs.len() {
+                let arc_number = self.nets[number].arcs[at_arc];
+                let arc = &self.arcs[arc_number as usize];
+                let delay = self.delay(arc);
+                let cell = &self.cells[arc.to as usize];
+                let mut needed = (f32::INFINITY, 0.0f32);
+                if let Some(setup) = setup(cell, arc.port) {
+                    needed = (target - setup - delay, delay);
+                    let end = at[number] + delay + setup;
+                    found.longest = found.longest.max(end);
+                    found.failing += usize::from(end > target);
+                }
+                for out in cell.pins.iter().filter(|pin| pin.drives()) {
+                    let Some(within) = through(cell, arc.port, self.nets[out.net as usize].port) else {
+                        continue;
+                    };
+                    let (behind, behind_wires) = required[out.net as usize];
+                    if behind - within - delay < needed.0 {
+                        needed = (behind - within - delay, delay + behind_wires);
+                    }
+                }
+                if needed.0 < first.0 {
+                    first = needed;
+                }
+                let (slack, routing) = (needed.0 - at[number], wires[number] + needed.1);
+                let free = arc.free || !slack.is_finite();
+                self.arcs[arc_number as usize].budget = match free {
+                    true => f32::INFINITY,
+                    false => (delay * (routing + slack) / routing).max(SHORTEST),
+                };
+                if !free && slack < 0.0 {
+                    late.push((slack, arc_number));
+                }
+            }
+            required[number] = first;
+        }
+        late.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        found.late = late.into_iter().map(|(_, arc)| arc).collect();
+        found
+    }
+}
