@@ -8,7 +8,7 @@
 //!
 //! The placer takes 76 ps for each tile that a wire is long, twice what its own router then needs. So it pulls together
 //! what need not be, and where it is dense, wires detour. Here the delays are those of [routed wires](delays), and the
-//! [cost](cost) counts, beside the paths that are too long, the wires and how full the tiles are.
+//! [cost] counts, beside the paths that are too long, the wires and how full the tiles are.
 //!
 //! Besides the places, only one thing changes: a reader of a register may read another one [that always holds the
 //! same](copies). That nothing else does, [`same`] shows of every placement that leaves here.
