@@ -1,8 +1,8 @@
 //! Registers that always hold the same: who reads which.
 //!
 //! ```text
-//!   q ──► r1 r2 far r3         q  ──► r1 r2 r3
-//!   q' ──► r4               ─► q' ──► r4 far
+//!   q  ──► r1, r2 far from it       q  ──► r1, r3
+//!   q' ──► r3 far from it, r4   ─►  q' ──► r2, r4
 //! ```
 //!
 //! Before placement, readers are dealt to the copies of a register by their names.
@@ -13,13 +13,12 @@ use super::design::{Design, Kind, NONE, Port, SLOTS};
 const MOST_READERS: usize = 48;
 
 impl Design {
-    /// Lets the reader at the end of an arc, and those that must read the same, read another net, if that costs no more;
-    /// how many do.
-    pub fn deal(&mut self, arc: u32, to: u32) -> usize {
+    /// Lets the reader at the end of an arc, and those that must read the same, read another net, if that costs no more.
+    pub fn deal(&mut self, arc: u32, to: u32) {
         let from = self.arcs[arc as usize].net;
         let together = self.together(arc);
         if from == to || !self.takes(to, together.len()) {
-            return 0;
+            return;
         }
         let cost = |design: &Design| {
             let late: f32 = together.iter().map(|&arc| design.lateness(arc)).sum();
@@ -27,11 +26,9 @@ impl Design {
         };
         let before = cost(self);
         together.iter().for_each(|&arc| self.redirect(arc, to));
-        if cost(self) <= before {
-            return together.len();
+        if cost(self) > before {
+            together.iter().for_each(|&arc| self.redirect(arc, from));
         }
-        together.iter().for_each(|&arc| self.redirect(arc, from));
-        0
     }
 
     /// The arcs that read one net as they share a pin of the device: a reset in a tile, an enable in a slice.

@@ -62,8 +62,8 @@ pub fn refine(text: &[u8], target_ns: f32) -> Result<(Vec<u8>, Refined)> {
     let refined = search.run(target_ns);
     search.design.check().map_err(failed)?;
     let before = read::design(&placed).map_err(failed)?;
-    write::into(&mut placed, &search.design, &before);
+    let dealt_readers = write::into(&mut placed, &search.design, &before);
     same::proved(&before, &read::design(&placed).map_err(failed)?).map_err(failed)?;
     let text = serde_json::to_vec(&placed).map_err(|e| failed(e.to_string()))?;
-    Ok((text, refined))
+    Ok((text, Refined { dealt_readers, ..refined }))
 }

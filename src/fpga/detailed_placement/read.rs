@@ -171,7 +171,7 @@ fn place(cell: &Value) -> Option<(i16, i16, u8)> {
     let mut along = |axis: char| words.next()?.strip_prefix(axis)?.parse().ok();
     let (x, y) = (along('X')?, along('Y')?);
     let Some(slice) = words.next()?.strip_prefix("SLICE") else { return Some((x, y, 0)) };
-    let first = 2 * slice.bytes().next()?.checked_sub(b'A')?;
+    let first = 2 * "ABCD".find(slice.chars().next()?)? as u8;
     Some((x, y, if slice.ends_with('1') { first + 1 } else { first }))
 }
 

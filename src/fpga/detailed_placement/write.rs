@@ -5,13 +5,14 @@ use serde_json::{Value, json};
 use super::design::{Cell, Design, Kind, Port};
 use super::read::PLACE;
 
-/// Places, and other nets at the ports whose readers read another copy.
-pub fn into(placed: &mut Value, design: &Design, before: &Design) {
+/// Places, and other nets at the ports whose readers read another copy; how many those are.
+pub fn into(placed: &mut Value, design: &Design, before: &Design) -> u64 {
+    let mut dealt = 0;
     let Some(module) = placed["modules"].as_object_mut().and_then(|modules| modules.values_mut().next())
     else {
-        return;
+        return dealt;
     };
-    let Some(cells) = module["cells"].as_object_mut() else { return };
+    let Some(cells) = module["cells"].as_object_mut() else { return dealt };
     for (number, (_, content)) in cells.iter_mut().enumerate() {
         let (cell, was) = (&design.cells[number], &before.cells[number]);
         if cell.kind.in_tile() {
@@ -19,8 +20,10 @@ pub fn into(placed: &mut Value, design: &Design, before: &Design) {
         }
         for (pin, was) in cell.pins.iter().zip(&was.pins).filter(|(pin, was)| pin.net != was.net) {
             content["connections"][name(design, was.port)] = json!([design.nets[pin.net as usize].bit]);
+            dealt += 1;
         }
     }
+    dealt
 }
 
 /// As nextpnr calls it.
