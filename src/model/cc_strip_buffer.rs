@@ -17,6 +17,9 @@ pub struct Buffer {
 /// Clocks from a deep buffer into the short one.
 const FETCHES: usize = 2;
 
+/// Clocks by which what is issued into a deep buffer counts later.
+pub(super) const COUNTS_LATE: usize = 3;
+
 /// Free places at which no more is sent.
 const RESERVE: u32 = 3;
 
@@ -28,9 +31,9 @@ pub(super) struct Buffered {
     unasked: u32,
     behind: Behind,
     free: u32,
-    /// What is issued into a deep one counts a clock later, and so does what is taken from there.
-    seen: Option<bool>,
-    returned: Option<bool>,
+    /// What is issued into a deep one counts later, and what is taken from there a clock later.
+    seen: Option<[bool; COUNTS_LATE]>,
+    returned: Option<[bool; 1]>,
     issued: bool,
     taken: bool,
     pub(super) room: bool,
@@ -85,6 +88,14 @@ impl Behind {
     }
 }
 
+/// What was as many clocks ago as there are registers, if there are any.
+fn late<const CLOCKS: usize>(registers: &mut Option<[bool; CLOCKS]>, now: bool) -> bool {
+    registers.as_mut().map_or(now, |was| {
+        was.rotate_right(1);
+        std::mem::replace(&mut was[0], now)
+    })
+}
+
 impl Buffered {
     /// So many slices of a column are sent without being asked about.
     pub(super) fn new(Buffer { words, near, .. }: Buffer, unasked: u32) -> Buffered {
@@ -97,8 +108,8 @@ impl Buffered {
                 Behind::Near(Box::new(near))
             }
         };
-        let late = near.map(|_| false);
-        Buffered { seen: late, returned: late, ..Buffered::before(behind, words, unasked) }
+        let (seen, returned) = (near.map(|_| [false; COUNTS_LATE]), near.map(|_| [false]));
+        Buffered { seen, returned, ..Buffered::before(behind, words, unasked) }
     }
 
     fn before(behind: Behind, words: u32, unasked: u32) -> Buffered {
@@ -133,9 +144,6 @@ impl Buffered {
         self.way.push_front(issue);
         let push = self.way.pop_back().unwrap_or(false);
         self.stored = self.stored + u32::from(push) - u32::from(take);
-        let late = |register: &mut Option<bool>, now| {
-            register.as_mut().map_or(now, |was| std::mem::replace(was, now))
-        };
         let (issue, take) = (late(&mut self.seen, issue), late(&mut self.returned, take));
         self.room = self.free > RESERVE + self.unasked;
         self.empty = self.free == self.words && !self.issued && !issue;

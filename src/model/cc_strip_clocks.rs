@@ -28,7 +28,7 @@
 
 use super::cc_strip::schedule::Schedule;
 pub use super::cc_strip_buffer::Buffer;
-use super::cc_strip_buffer::Buffered;
+use super::cc_strip_buffer::{Buffered, COUNTS_LATE};
 use super::cc_strip_levels::{Arrival, Level, Rests};
 
 /// What the core is made of.
@@ -157,7 +157,7 @@ impl Machine {
         }
         levels[count - 1].double = core.schedule == Schedule::Double;
         let pipeline = vec![false; core.finish.unwrap_or(1) as usize];
-        let unasked = if core.walks == [0; 7] { 0 } else { levels[count - 1].slices };
+        let unasked = if core.walks == [0; 7] { 0 } else { levels[count - 1].slices + COUNTS_LATE as u32 };
         let buffered = core.buffer.map(|buffer| Buffered::new(buffer, unasked));
         Machine {
             core,
@@ -169,7 +169,7 @@ impl Machine {
             pipeline,
             buffered,
             was_idle: true,
-            rests: Rests { levels: [true; 2], buffer: true, quiet: true, came: [false; 3] },
+            rests: Rests { levels: [true; COUNTS_LATE + 1], buffer: true, quiet: true, came: [false; 3] },
             waits: None,
             taken: [None; 2],
             goes: false,

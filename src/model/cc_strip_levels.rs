@@ -1,5 +1,7 @@
 //! The levels of a `cc-strip`, as its protocol sees them, and what a walked core knows of their rest.
 
+use super::cc_strip_buffer::COUNTS_LATE;
+
 /// A column on its way into a level.
 #[derive(Clone, Copy)]
 pub(super) struct Arrival {
@@ -26,10 +28,10 @@ pub(super) struct Level {
     pub(super) comes: Option<Arrival>,
 }
 
-/// What is known of the rest of a core: of its levels two clocks late, of the buffer and of what comes in one.
+/// What is known of the rest of a core: of its levels some clocks late, of the buffer and of what comes in one.
 pub(super) struct Rests {
-    /// No level had a column to send, a clock and two clocks ago.
-    pub(super) levels: [bool; 2],
+    /// No level had a column to send, a clock ago and before.
+    pub(super) levels: [bool; COUNTS_LATE + 1],
     /// The buffer was empty.
     pub(super) buffer: bool,
     /// No word came in.
@@ -40,11 +42,12 @@ pub(super) struct Rests {
 
 impl Rests {
     pub(super) fn all(&self) -> bool {
-        self.levels[1] && self.buffer && self.quiet
+        self.levels[COUNTS_LATE] && self.buffer && self.quiet
     }
 
     pub(super) fn clock(&mut self, levels: bool, buffer: bool, came: bool) {
-        self.levels = [levels, self.levels[0]];
+        self.levels.rotate_right(1);
+        self.levels[0] = levels;
         self.buffer = buffer;
         self.quiet = !came && !self.came.contains(&true);
         self.came = [came, self.came[0], self.came[1]];

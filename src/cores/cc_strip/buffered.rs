@@ -20,6 +20,9 @@ use crate::hdl::{Placed, Signal, Word};
 /// The flag that goes with what leaves from a level, by its name; its clock is the delay of the data.
 pub const LEAVES: &str = "leaves_at_level_";
 
+/// Clocks by which what a level issues counts later where ends are walked around.
+pub const COUNTS_LATE: u32 = 3;
+
 /// Clocks from the last adder of a level into the buffer: one more where ends are walked around, behind the choice among
 /// levels.
 pub fn rounding(walked: bool) -> u32 {
@@ -45,19 +48,24 @@ impl<'a> Output<'a> {
         // The levels lie far apart: a register before the choice among them.
         let time = |offer: &Offer| offer.columns[0].rows[0].time().unwrap_or(0) + u32::from(walked);
         let delay = self.offers.iter().map(time).max().unwrap_or(0);
-        let seen = |offer: &Offer| {
-            offer.control.out("out_output")
-                & !(offer.control.out("out_first") | offer.control.out("out_last"))
+        let here = |signal: &Signal| m.restart(signal, 0);
+        // Where ends are walked around, the levels lie far apart: registers behind what they say, and behind what comes
+        // of it, so that it counts later.
+        let late = |name: String, signal: &Signal| match walked {
+            true => m.pipe_reset(name, signal, 0),
+            false => signal.clone(),
         };
-        // Where ends are walked around, the levels lie far apart: what they issue counts a clock later.
-        let counts = |(offer, level): (&Offer, usize)| match walked {
-            true => m.restart(&m.pipe_reset(format!("issued_at_level_{level}"), seen(offer), 0), 0),
-            false => seen(offer),
-        };
-        let issue = m.wire("issue", any(self.offers.iter().zip(1..).map(counts).collect()));
+        let seen: Vec<Signal> = (1..)
+            .zip(&self.offers)
+            .map(|(level, offer)| {
+                let of = |out: &str| late(format!("{out}_of_level_{level}"), &offer.control.out(out));
+                m.signal(of("out_output") & !(of("out_first") | of("out_last")))
+            })
+            .collect();
+        let counts = (1..).zip(&seen).map(|(level, seen)| late(format!("issued_at_level_{level}"), seen));
+        let issue = here(&late("issued_late".into(), &m.wire("issue", any(counts.collect()))));
 
         // From here on the flag beside it says when a column is there.
-        let here = |signal: &Signal| m.restart(signal, 0);
         let waits = Waits::new(m, self.parameters);
         let of_level = |name: &str, of: &dyn Fn(&Offer) -> Signal| {
             let flags = self.offers.iter().zip(1..).map(|(offer, level)| {
@@ -68,8 +76,9 @@ impl<'a> Output<'a> {
             any(flags.collect())
         };
         // Whether there is one must be known from the first clock on.
-        let leaves = self.offers.iter().zip(1..).map(|(offer, level)| {
-            let flag = m.delay_reset(&m.wire(format!("issue_{level}"), seen(offer)), time(offer), 0);
+        let leaves = self.offers.iter().zip(&seen).zip(1..).map(|((offer, seen), level)| {
+            let known = time(offer) - u32::from(walked);
+            let flag = m.delay_reset(&m.wire(format!("issue_{level}"), seen), known, 0);
             &self.is[level - 1] & &here(&m.wire(format!("{LEAVES}{level}"), &flag))
         });
         let push = m.wire("column_leaves", any(leaves.collect()));
@@ -102,7 +111,7 @@ impl<'a> Output<'a> {
         let sliced = self.offers.iter().any(|offer| offer.group.most_slices() > 1);
         // A column that has begun to leave is not stopped.
         let most = self.offers.iter().map(|offer| offer.group.most_slices()).max().unwrap_or(0);
-        let unasked = if self.parameters.walked() { most } else { 0 };
+        let unasked = if walked { most + COUNTS_LATE } else { 0 };
         let log_depth = log_depth(delay + rounding + unasked);
 
         // A FIFO for the flags and one for each coordinate of each row, all with a `push` of their own.

@@ -48,18 +48,18 @@ impl Times {
 
     /// The clock in which both ends are done.
     fn done(self) -> u32 {
-        2 * self.steps + self.digits + 15
+        2 * self.steps + self.digits + 16
     }
 
     /// The clock from which on left and right may be kept: those of the walk before have been fetched then.
     fn sides(self) -> u32 {
-        self.digits + 11
+        self.digits + 12
     }
 
     /// The clock of the strobes of the fan: the next level has walked around the column before, and not yet around
     /// this one.
     fn fans(self) -> u32 {
-        self.steps + self.digits + 16
+        self.steps + self.digits + 17
     }
 }
 
@@ -261,13 +261,13 @@ pub fn build(parameters: Parameters, level: u32) -> Result<Rc<Module>> {
     };
     let total = kept("total", &last, &m.claim("total_of_ring", &sum, total_word, Some(&complete)));
     // The centre stays as long as the walk is around it.
-    let caught = (now + 5).saturating_sub(times.steps).max(centre.time().unwrap_or(0));
+    let caught = (now + 6).saturating_sub(times.steps).max(centre.time().unwrap_or(0));
     let kept_centre = kept("centre_of_ring", &last, &m.at_time(&centre, caught));
 
     // kappa T from the lowest digit on; what is below the point is dropped as soon as it is.
     let bits = parameters.replacement_bits();
     let begins = m.at_time(&last, now + 2);
-    let of_kappa = m.at_time(&ends_at, now);
+    let of_kappa = m.at_time(&ends_at, now - 1);
     let table = Word::unsigned(4 * times.digits);
     let mut entry = m.constant(kappa64(4, bits), table);
     for d in (3..=parameters.max_valence).filter(|d| *d != 4) {
@@ -275,7 +275,9 @@ pub fn build(parameters: Parameters, level: u32) -> Result<Rc<Module>> {
         entry = m.select(&here, m.constant(kappa64(d, bits), table), &entry);
     }
     let kappa = m.register_at("kappa", table, None, now + 2);
-    m.on(&begins, &kappa, m.pipe("entry", m.wrap(&entry, table)));
+    // The table lies far from what it is for.
+    let entry = m.pipe("entry", m.wrap(&entry, table));
+    m.on(&begins, &kappa, m.pipe("entry_to_use", &entry));
     let rest = m.rescale(&m.round(&kappa, 4, Rounding::Floor), 0);
     m.always(&kappa, m.wrap(&rest, table));
     let kappa = m.restart(&kappa, now + 3);
@@ -288,6 +290,8 @@ pub fn build(parameters: Parameters, level: u32) -> Result<Rc<Module>> {
         m.pipe(name, binary(&m, &bits, &[none.clone(), once.clone(), twice, thrice.clone()]))
     };
     let times_digit = m.pipe("times_digit", 4 * &digit("times_high", 2) + &digit("times_low", 0));
+    // The next adder is the widest one: it has what it adds beside it.
+    let times_digit = m.pipe("digit_to_add", &times_digit);
     let now = times_digit.time().unwrap_or(0);
     let dropped = 4 * (times.digits - 1);
     let half = match parameters.rounding {

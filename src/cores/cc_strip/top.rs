@@ -8,6 +8,7 @@
 
 use std::rc::Rc;
 
+use super::buffered::COUNTS_LATE;
 use super::engine::{self, Outgoing, equals, incoming_places, producer};
 use super::output::{Offer, Output};
 use super::ring_walk::{Times, fan_outputs, strobe_endings};
@@ -199,8 +200,8 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
     let comes = m.wire("comes_in", loader.out("comes") | loader.out("accept"));
     let mut comes = comes;
     if parameters.walked() {
-        // From wherever they are to a register beside the loader's; what is issued counts a clock later than a level
-        // that rests, and a word a clock later than it comes.
+        // From wherever they are to a register beside the loader's; what is issued counts later than a level that
+        // rests, and a word a clock later than it comes.
         let accepted = m.restart(&m.pipe_reset("came_in", loader.out("accept"), 0), 0);
         comes = m.wire("comes_or_came", &comes | &accepted);
         let known = |at: usize, now: &Signal, clocks: u32| {
@@ -210,7 +211,7 @@ pub fn build(parameters: Parameters) -> Result<Rc<Module>> {
         settled = settled
             .iter()
             .enumerate()
-            .map(|(at, now)| known(at, now, if at < levels { 2 } else { 1 }))
+            .map(|(at, now)| known(at, now, 1 + if at < levels { COUNTS_LATE } else { 0 }))
             .collect();
         settled.push(known(levels + 1, &!&comes, 1));
     }
