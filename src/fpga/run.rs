@@ -69,11 +69,11 @@ pub(super) fn run_within(
     })
 }
 
-/// Iterations that the second router says that it has made.
+/// Iterations that the first router says that it has made, in a table of which each line begins with them.
 fn iterations_of(log: &Path) -> u32 {
     let text = std::fs::read_to_string(log).unwrap_or_default();
-    let last = text.rsplit_once("iter=").map(|(_, rest)| rest);
-    last.and_then(|rest| rest.split(' ').next()?.parse().ok()).unwrap_or(0)
+    let made = |line: &str| line.strip_prefix("Info:")?.split_once('|')?.0.trim().parse().ok();
+    text.lines().rev().find_map(made).unwrap_or(0)
 }
 
 /// Whether nextpnr says that it routes.
@@ -91,11 +91,11 @@ mod tests {
         let runs = |script: &str| {
             let line: Vec<String> = ["/bin/sh", "-c", script].map(String::from).into();
             let settings = Settings { timeout: Duration::from_secs(60), ..Settings::default() };
-            run_within(Some(7), &line, folder.path(), Stage::Routing, &settings, &|_| {}).unwrap()
+            run_within(Some(7000), &line, folder.path(), Stage::Routing, &settings, &|_| {}).unwrap()
         };
-        assert!(runs("echo 'iter=6 wires=3'; echo 'iter=7 wires=3'"));
+        assert!(runs("echo 'Info: 6000 | 3 |'; echo 'Info: 7000 | 3 |'; echo 'Info: Routing complete.'"));
         // One that would go on for longer than anybody waits, and one that has ended meanwhile.
-        assert!(!runs("echo 'iter=8 wires=3'; sleep 50"));
-        assert!(!runs("echo 'iter=8 wires=3'"));
+        assert!(!runs("echo 'Info:   8000 |  3 |'; sleep 50"));
+        assert!(!runs("echo 'Info:   8000 |  3 |'; echo 'Info: Routing complete.'"));
     }
 }

@@ -53,8 +53,7 @@ pub fn through(cell: &Cell, from: Port, to: Port) -> Option<f32> {
         (Kind::Wide, M | Fxa | Fxb | F1, Ofx) => Some(0.2),
         (Kind::Carry, A | B | C | D, Fco) => Some(0.355),
         (Kind::Carry, Fci, F) => Some(0.328),
-        // Both halves of a slice together.
-        (Kind::Carry, Fci, Fco) => Some(if cell.slot % 2 == 1 { 0.056 } else { 0.0 }),
+        (Kind::Carry, Fci, Fco) => Some(0.056),
         _ => None,
     }
 }

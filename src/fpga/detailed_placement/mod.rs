@@ -39,7 +39,7 @@ use crate::error::{Error, Kind, Result};
 use search::Search;
 
 /// Another one wherever the same placement comes to another one.
-pub const VERSION: &str = "1";
+pub const VERSION: &str = "2";
 
 /// What came of it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -51,7 +51,8 @@ pub struct Refined {
     pub dealt_readers: u64,
 }
 
-/// Moves the cells of a placed design; it is the text of nextpnr's `--write`.
+/// Moves the cells of a placed design; it is the text of nextpnr's `--write`. No path is asked to be shorter than the
+/// longest one can be.
 ///
 /// # Errors
 /// `ToolFailed` for what is no placed design of an ECP5.
@@ -59,7 +60,7 @@ pub fn refine(text: &[u8], target_ns: f32) -> Result<(Vec<u8>, Refined)> {
     let failed = |what: String| Error::new(Kind::ToolFailed, format!("the placed design: {what}"));
     let mut placed: Value = serde_json::from_slice(text).map_err(|e| failed(e.to_string()))?;
     let mut search = Search::new(read::design(&placed).map_err(failed)?);
-    let refined = search.run(target_ns);
+    let refined = search.run(target_ns.max(search.design.reach()));
     search.design.check().map_err(failed)?;
     let before = read::design(&placed).map_err(failed)?;
     let dealt_readers = write::into(&mut placed, &search.design, &before);

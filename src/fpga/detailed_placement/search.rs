@@ -25,6 +25,10 @@ const LAST_WIDTH: i32 = 5;
 const SPREAD: i32 = 3;
 /// The same around the middle of a cell's nets.
 const HOME: i32 = 2;
+/// One of so many moves of chains clears its way.
+const CLEARING: usize = 128;
+/// Places that are tried for each cell in the way.
+const CLEARED: usize = 6;
 /// Slots that are looked at for each cell of a flock.
 const LANDINGS: usize = 12;
 
@@ -55,6 +59,14 @@ impl Dice {
     fn of(&mut self, list: &[u32]) -> Option<u32> {
         if list.is_empty() { None } else { Some(list[self.below(list.len())]) }
     }
+}
+
+/// What a step does with a cell that only goes with its chain.
+#[derive(Clone, Copy, PartialEq)]
+enum Chains {
+    Stay,
+    Swap,
+    Clear,
 }
 
 pub struct Search {
@@ -93,7 +105,7 @@ impl Search {
     pub fn run(&mut self, target: f32) -> Refined {
         let mut before = None;
         for _ in 0..PASSES {
-            let Analysis { longest, late, .. } = self.design.analyse(target);
+            let Analysis { longest, late } = self.design.analyse(target);
             before.get_or_insert(longest);
             if late.is_empty() {
                 break;
@@ -121,7 +133,11 @@ impl Search {
         } else if number.is_multiple_of(8) && !self.copied.is_empty() {
             self.deal();
         } else {
-            self.step(number % 8 == 1);
+            self.step(match number {
+                _ if number % CLEARING == 9 => Chains::Clear,
+                _ if number % 8 == 1 => Chains::Swap,
+                _ => Chains::Stay,
+            });
         }
     }
 
@@ -168,7 +184,7 @@ impl Search {
         home
     }
 
-    fn step(&mut self, chains: bool) -> Option<()> {
+    fn step(&mut self, chains: Chains) -> Option<()> {
         let late = self.dice.below(10) < 6;
         let (cell, (dx, dy), spread) = match late.then(|| self.late_ends()).flatten() {
             Some((cell, other)) => (cell, self.towards(cell, other), SPREAD),
@@ -188,8 +204,8 @@ impl Search {
         let to = self.design.slots.tile(x + self.dice.within(spread), y + self.dice.within(spread))?;
         if self.design.is_fixed(cell) {
             let from = self.design.slots.tile_of(&self.design.cells[cell as usize])?;
-            if chains && from != to {
-                self.design.swap_chain(from, to, &mut self.marks);
+            if chains != Chains::Stay && from != to {
+                self.move_chain(from, to, chains == Chains::Clear);
             }
             return None;
         }
@@ -197,6 +213,41 @@ impl Search {
         let (swap, more) = self.design.step(cell, slot, &mut self.marks)?;
         if more > 0.0 {
             self.design.undo(swap);
+        }
+        None
+    }
+
+    /// A chain goes to the tiles from another one on. What it drives away goes where the chain was, or, where it is
+    /// to `clear` its way, to places of its own.
+    fn move_chain(&mut self, from: usize, to: usize, clear: bool) -> Option<()> {
+        let spans = self.design.spans(from, to)?;
+        let mut more = self.design.move_spans(spans, &mut self.marks);
+        let mut done: Vec<Swap> = vec![];
+        let away = if clear && more > 0.0 { self.design.driven_away(spans) } else { vec![] };
+        let ((from_x, from_y), (to_x, to_y)) =
+            (self.design.slots.place_of(spans.from), self.design.slots.place_of(spans.to));
+        let back = (i32::from(to_x - from_x), i32::from(to_y - from_y));
+        for cell in away {
+            for number in 0..CLEARED {
+                let (dx, dy) = if number % 2 == 0 { self.home(cell) } else { back };
+                let (x, y) = self.place_of(cell);
+                let (near_x, near_y) = (self.dice.within(SPREAD), self.dice.within(SPREAD));
+                let at = self.dice.below(SLOTS);
+                let Some(tile) = self.design.slots.tile(x + dx + near_x, y + dy + near_y) else { continue };
+                let Some((swap, costs)) = self.design.step(cell, Slot { tile, at }, &mut self.marks) else {
+                    continue;
+                };
+                if costs < 0.0 {
+                    done.push(swap);
+                    more += costs;
+                    break;
+                }
+                self.design.undo(swap);
+            }
+        }
+        if more > 0.0 {
+            done.into_iter().rev().for_each(|swap| self.design.undo(swap));
+            self.design.swap_spans(spans);
         }
         None
     }

@@ -5,13 +5,14 @@
 //!   budget = delay (routing of the longest path through the arc + its slack) / routing of that path
 //! ```
 //!
-//! So every wire of a path that is too long is asked for the same share of what the path is to lose.
+//! So every wire of a path that is too long is asked for the same share of what the path is to lose; but none to be
+//! shorter than wires of one or two tiles are.
 
 use super::delays::{clock_to_output, setup, through};
-use super::design::Design;
+use super::design::{Arc, Design};
 
-/// No wire is shorter.
-const SHORTEST: f32 = 0.36;
+/// Of wires no longer than this, no less is asked.
+const SHORTEST: f32 = 0.6;
 
 /// What an analysis found.
 #[derive(Clone, Debug, Default)]
@@ -29,7 +30,7 @@ struct Arrivals {
 }
 
 impl Design {
-    fn arrivals(&self) -> Arrivals {
+    fn arrivals(&self, delay: &dyn Fn(&Arc) -> f32) -> Arrivals {
         let mut at = vec![f32::NEG_INFINITY; self.nets.len()];
         let mut wires = vec![0.0; self.nets.len()];
         for &number in &self.order {
@@ -45,7 +46,7 @@ impl Design {
             }
             for pin in cell.pins.iter().filter(|pin| !pin.drives()) {
                 let Some(within) = through(cell, pin.port, net.port) else { continue };
-                let delay = self.delay(&self.arcs[pin.arc as usize]);
+                let delay = delay(&self.arcs[pin.arc as usize]);
                 let arrival = at[pin.net as usize] + delay + within;
                 if arrival > at[number] {
                     (at[number], wires[number]) = (arrival, wires[pin.net as usize] + delay);
@@ -55,9 +56,20 @@ impl Design {
         Arrivals { at, wires }
     }
 
+    /// The longest path if every wire were short.
+    pub fn reach(&self) -> f32 {
+        let shortest = |arc: &Arc| if arc.free { 0.0 } else { SHORTEST };
+        let at = self.arrivals(&shortest).at;
+        let ends = self.arcs.iter().filter_map(|arc| {
+            let setup = setup(&self.cells[arc.to as usize], arc.port)?;
+            Some(at[arc.net as usize] + shortest(arc) + setup)
+        });
+        ends.fold(0.0, f32::max)
+    }
+
     /// Sets the budgets for a target.
     pub fn analyse(&mut self, target: f32) -> Analysis {
-        let Arrivals { at, wires } = self.arrivals();
+        let Arrivals { at, wires } = self.arrivals(&|arc| self.delay(arc));
         let mut found = Analysis::default();
         // Of every net: until when it must be there, and the wires behind it on the path that says so.
         let mut required = vec![(f32::INFINITY, 0.0f32); self.nets.len()];
@@ -97,7 +109,7 @@ impl Design {
                     true => f32::INFINITY,
                     false => (delay * (routing + slack) / routing).max(SHORTEST),
                 };
-                if !free && slack < 0.0 {
+                if !free && slack < 0.0 && delay > SHORTEST {
                     late.push((slack, arc_number));
                 }
             }
