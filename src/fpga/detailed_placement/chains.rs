@@ -41,7 +41,8 @@ impl Design {
     }
 
     fn cuts(&self, first: usize, tiles: usize) -> bool {
-        (!first.is_multiple_of(self.slots.width) && self.goes_on(first - 1)) || self.goes_on(first + tiles - 1)
+        (!first.is_multiple_of(self.slots.width) && self.goes_on(first - 1))
+            || self.goes_on(first + tiles - 1)
     }
 
     /// The tiles of the chain in a tile, and as many others, from `to` on or from where the chain begins that is there;
@@ -65,7 +66,8 @@ impl Design {
 
     /// Swaps them; what that costs.
     pub fn move_spans(&mut self, spans: Spans, marks: &mut Marks) -> f32 {
-        let moved: Vec<u32> = spans.pairs().flat_map(|(a, b)| self.in_tile(a).chain(self.in_tile(b))).collect();
+        let moved: Vec<u32> =
+            spans.pairs().flat_map(|(a, b)| self.in_tile(a).chain(self.in_tile(b))).collect();
         let cost = |design: &Design, marks: &mut Marks| {
             design.around(&moved, marks) + design.fullness(spans.from, spans.to)
         };

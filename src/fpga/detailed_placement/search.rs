@@ -7,6 +7,8 @@
 //!   1 of 8    a reader of a register with copies reads another one
 //!   1 of 64   a late arc's end flies with all its readers into free slots
 //! ```
+//!
+//! Of the cells of a chain, one of 8 goes, and all its chain with it. That may cost something at first.
 
 use super::Refined;
 use super::cost::Marks;
@@ -25,6 +27,9 @@ const LAST_WIDTH: i32 = 5;
 const SPREAD: i32 = 3;
 /// The same around the middle of a cell's nets.
 const HOME: i32 = 2;
+/// What a chain's move may cost in the first passes: what it drives away finds better places of its own later.
+const ADVANCE: f32 = 3.0;
+const ADVANCING: u32 = PASSES / 2;
 /// One of so many moves of chains clears its way.
 const CLEARING: usize = 128;
 /// Places that are tried for each cell in the way.
@@ -78,6 +83,7 @@ pub struct Search {
     copied_late: Vec<u32>,
     late: Vec<u32>,
     width: i32,
+    advance: f32,
     /// Used again and again.
     edges: [Vec<i16>; 2],
 }
@@ -96,6 +102,7 @@ impl Search {
             copied_late: vec![],
             late: vec![],
             width: FIRST_WIDTH,
+            advance: 0.0,
             edges: [vec![], vec![]],
             design,
         }
@@ -104,7 +111,8 @@ impl Search {
     /// All passes.
     pub fn run(&mut self, target: f32) -> Refined {
         let mut before = None;
-        for _ in 0..PASSES {
+        for pass in 0..PASSES {
+            self.advance = if pass < ADVANCING { ADVANCE } else { 0.0 };
             let Analysis { longest, late } = self.design.analyse(target);
             before.get_or_insert(longest);
             if late.is_empty() {
@@ -245,7 +253,7 @@ impl Search {
                 self.design.undo(swap);
             }
         }
-        if more > 0.0 {
+        if more > self.advance {
             done.into_iter().rev().for_each(|swap| self.design.undo(swap));
             self.design.swap_spans(spans);
         }
