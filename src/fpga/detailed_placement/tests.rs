@@ -134,29 +134,89 @@ fn a_lut_beside_half_a_slice_of_carry_is_refused() {
     }
 }
 
+/// A chain of so many bits from a tile on, each with a register; its nets are numbered from `nets` on.
+fn add_chain(placed: &mut Placed, name: &str, (x, y): (u64, u64), bits: u64, nets: u64) {
+    for bit in 0..bits {
+        let place = |what: &str| {
+            let slice = char::from(b'A' + (bit % 8 / 2) as u8);
+            format!("X{}/Y{y}/SLICE{slice}.{what}{}", x + bit / 8, bit % 2)
+        };
+        let mut ports = vec![("A", 2), ("F", nets + bit), ("FCO", nets + 101 + bit)];
+        if bit > 0 {
+            ports.push(("FCI", nets + 100 + bit));
+        }
+        placed.carry(&format!("{name}{bit}"), &place("K"), &ports);
+        let ports = [("DI", nets + bit), ("Q", nets + 200 + bit)];
+        placed.register(&format!("{name}_total{bit}"), &place("FF"), &ports);
+    }
+}
+
+#[test]
+fn every_half_of_a_slice_makes_a_carry_later() {
+    let reach = |bits| {
+        let mut placed = far_apart();
+        add_chain(&mut placed, "sum", (50, 40), bits, 1000);
+        placed.read().unwrap().reach()
+    };
+    for bits in 20..30 {
+        assert!((reach(bits + 1) - reach(bits) - 0.056).abs() < 1e-4);
+    }
+}
+
+#[test]
+fn no_path_is_asked_to_be_shorter_than_the_longest_can_be() {
+    let mut placed = far_apart();
+    add_chain(&mut placed, "sum", (50, 40), 30, 1000);
+    let text = serde_json::to_vec(&placed.value()).unwrap();
+    let reach = placed.read().unwrap().reach();
+    let of = |target| refine(&text, target).unwrap().0;
+    assert!(reach > 2.5 && of(0.1) == of(reach) && of(reach) != of(reach + 0.4));
+}
+
+#[test]
+fn a_chain_changes_places_with_the_whole_chain_that_is_there() {
+    let mut placed = far_apart();
+    add_chain(&mut placed, "long", (40, 40), 20, 1000);
+    add_chain(&mut placed, "short", (50, 42), 9, 2000);
+    let mut design = placed.read().unwrap();
+    let tile = |design: &Design, x, y| design.slots.tile(x, y).unwrap();
+    // Its second tile is named, all three are meant.
+    let spans = design.spans(tile(&design, 41, 40), tile(&design, 51, 42)).unwrap();
+    design.swap_spans(spans);
+    design.check().unwrap();
+    let place = |name: &str| {
+        let cell = design.cells.iter().find(|cell| cell.name == name).unwrap();
+        (cell.x, cell.y)
+    };
+    assert_eq!((place("long0"), place("long19")), ((50, 42), (52, 42)));
+    assert_eq!((place("short0"), place("short8")), ((40, 40), (41, 40)));
+    // Neither with itself, nor where another chain would be cut.
+    let design = placed.read().unwrap();
+    assert!(design.spans(tile(&design, 41, 40), tile(&design, 42, 40)).is_none());
+    assert!(design.spans(tile(&design, 50, 42), tile(&design, 39, 40)).is_none());
+}
+
+#[test]
+fn the_router_is_not_said_by_the_placement() {
+    let mut value = far_apart().value();
+    value["modules"]["top"]["settings"] = json!({ "router": "router1", "seed": "1" });
+    let (text, _) = refine(&serde_json::to_vec(&value).unwrap(), 1.5).unwrap();
+    let refined: Value = serde_json::from_slice(&text).unwrap();
+    assert_eq!(refined["modules"]["top"]["settings"], json!({ "seed": "1" }));
+}
+
 #[test]
 fn a_chain_moves_as_one() {
     let mut placed = far_apart();
     // Ten bits: a tile and a quarter, far from the register that it adds to.
-    for bit in 0..10u64 {
-        let place = |what: &str| {
-            let slice = char::from(b'A' + (bit % 8 / 2) as u8);
-            format!("X{}/Y40/SLICE{slice}.{what}{}", 58 + bit / 8, bit % 2)
-        };
-        let mut ports = vec![("A", 2), ("F", 100 + bit), ("FCO", 201 + bit)];
-        if bit > 0 {
-            ports.push(("FCI", 200 + bit));
-        }
-        placed.carry(&format!("sum{bit}"), &place("K"), &ports);
-        placed.register(&format!("total{bit}"), &place("FF"), &[("DI", 100 + bit), ("Q", 300 + bit)]);
-    }
+    add_chain(&mut placed, "sum", (58, 40), 10, 1000);
     let (design, refined) = placed.refined();
     assert!(refined.longest_after_ns + 0.5 < refined.longest_before_ns, "{refined:?}");
     assert!(distance(&design, "sum0", "sum9") == 1 && distance(&design, "sum0", "sum7") == 0);
     design.check().unwrap();
     // A part of it alone would be noticed.
     placed.cells["sum9"]["attributes"]["NEXTPNR_BEL"] = json!("X70/Y40/SLICEA.K1");
-    placed.cells["total9"]["attributes"]["NEXTPNR_BEL"] = json!("X70/Y40/SLICEA.FF1");
+    placed.cells["sum_total9"]["attributes"]["NEXTPNR_BEL"] = json!("X70/Y40/SLICEA.FF1");
     assert!(placed.read().unwrap_err().contains("sum9 is not beside sum8"));
 }
 
