@@ -53,6 +53,8 @@ pub fn through(cell: &Cell, from: Port, to: Port) -> Option<f32> {
         (Kind::Wide, M | Fxa | Fxb | F1, Ofx) => Some(0.2),
         (Kind::Carry, A | B | C | D, Fco) => Some(0.355),
         (Kind::Carry, Fci, F) => Some(0.328),
+        // Of every half of a slice: nextpnr 0.11 counts so where it reads a placement back, as it takes upper halves for
+        // lower ones then. In a design that it has packed itself, an upper half takes nothing.
         (Kind::Carry, Fci, Fco) => Some(0.056),
         _ => None,
     }
