@@ -53,7 +53,7 @@ fn facts(report: &Report) -> Vec<(String, String)> {
         facts.push(("without start-up".into(), area_text(rest, None)));
     }
     facts.push(("throughput".into(), {
-        let per = format!("{} {what} a clock", throughput.per_clock);
+        let per = format!("{} {what} a clock", (1000.0 * throughput.per_clock).round() / 1000.0);
         let density = report.per_clock_per_1000_luts_without_startup;
         let rest = density.map(|rest| format!(" ({rest} without start-up)")).unwrap_or_default();
         let second = rate(report.per_second);
