@@ -5,8 +5,8 @@
 //!   budget = delay (routing of the longest path through the arc + its slack) / routing of that path
 //! ```
 //!
-//! So every wire of a path that is too long is asked for the same share of what the path is to lose; but none to be
-//! shorter than wires of one or two tiles are.
+//! So every wire of a path that is too long is asked for the same share of what the path is to lose; but none for
+//! less than [`SHORTEST`], about what a wire to the next tile takes.
 
 use super::delays::{clock_to_output, setup, through};
 use super::design::{Arc, Design};

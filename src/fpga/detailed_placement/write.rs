@@ -13,7 +13,9 @@ pub fn into(placed: &mut Value, design: &Design, before: &Design) -> u64 {
         return dealt;
     };
     // What it says of the router would count more than what we say when it is read.
-    module.get_mut("settings").and_then(Value::as_object_mut).map(|settings| settings.remove("router"));
+    if let Some(settings) = module.get_mut("settings").and_then(Value::as_object_mut) {
+        settings.remove("router");
+    }
     let Some(cells) = module["cells"].as_object_mut() else { return dealt };
     for (number, (_, content)) in cells.iter_mut().enumerate() {
         let (cell, was) = (&design.cells[number], &before.cells[number]);
