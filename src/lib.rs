@@ -47,6 +47,7 @@ pub mod hdl;
 pub mod mesh;
 pub mod model;
 pub mod package;
+mod parallel;
 pub mod report;
 pub mod surface;
 

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //!   <cache>/synth/netlist-<hash>.json      of the sources, the script and the version of Yosys
-//!   <cache>/synth/placed-<hash>.json       of the netlist, the arguments, the seed and the version of nextpnr
+//!   <cache>/synth/timing-<hash>.json       of the netlist, the arguments, the seed and the version of nextpnr
 //! ```
 
 use std::fs;

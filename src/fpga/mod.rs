@@ -33,6 +33,7 @@ mod report;
 mod resets;
 mod run;
 mod signs;
+mod static_timing;
 mod structural;
 mod synthesis;
 mod tidy;
@@ -53,6 +54,7 @@ pub use tools::{Tools, find, status};
 use crate::cosim::Settings;
 use crate::error::Result;
 use crate::hdl::{Module, verilog};
+use crate::parallel;
 
 /// A core and what it does in a clock.
 #[derive(Clone, Debug)]
@@ -96,13 +98,16 @@ pub fn measure(
     let design = synthesis::synthesise(&design, device, &tools.yosys, settings, &cache, &|stage| {
         progress(0, stage);
     })?;
-    let mut timings = vec![];
-    for seed in 1..=options.seeds.max(1) {
+    let place = |seed: u32| {
         let run = place::Run { seed, target_mhz: options.target_mhz };
         let timing = place::place(&design, device, run, &tools.placer, settings, &cache, &|stage| {
             progress(seed, stage);
-        })?;
-        timings.push((seed, timing));
-    }
+        });
+        timing.map(|timing| (seed, timing))
+    };
+    // The tools themselves run on one thread.
+    let seeds = options.seeds.max(1) as usize;
+    let timings = parallel::map(parallel::available(), seeds, |index| place(index as u32 + 1));
+    let timings = timings.into_iter().collect::<Result<_>>()?;
     Report::new(subject, options, &tools, &design, timings)
 }

@@ -4,7 +4,7 @@
 //! over the global net.
 //!
 //! ```text
-//!   ECP5     nextpnr places ─► cells are moved (see detailed_placement) ─► nextpnr routes
+//!   ECP5     nextpnr places ─► cells are moved (see detailed_placement) ─► nextpnr routes ─► delays (see static_timing)
 //!   others   nextpnr places and routes
 //! ```
 
@@ -52,8 +52,9 @@ pub fn place(
     let parts =
         parts.chain(pins.iter().map(|pins| ("pins", pins.as_str()))).chain([("netlist", netlist.as_str())]);
     let hash = hash(parts);
-    if let Some(text) = cache.find("placed", &hash) {
-        return Timing::parse(&text);
+    let kept = cache.find("timing", &hash).and_then(|text| serde_json::from_slice(&text).ok());
+    if let Some(timing) = kept {
+        return Ok(timing);
     }
     let failed = |what: String| Error::new(Kind::ToolFailed, what);
     let folder = tempfile::tempdir().map_err(|e| failed(format!("no temporary folder: {e}")))?;
@@ -64,14 +65,15 @@ pub fn place(
             .map_err(|e| failed(format!("cannot write the pins: {e}")))?;
     }
     let nextpnr = Nextpnr { program: &placer.program, words, folder: folder.path(), settings, progress };
-    match device.family {
+    let timing = match device.family {
         Family::Ecp5 => nextpnr.with_moves(how.target_mhz)?,
-        _ => drop(nextpnr.run(Stage::Placement, None, &["--json", NETLIST])?),
-    }
-    let text = std::fs::read(folder.path().join("report.json"))
-        .map_err(|e| failed(format!("nextpnr left no report: {e}")))?;
-    let timing = Timing::parse(&text)?;
-    cache.keep("placed", &hash, &text)?;
+        _ => {
+            nextpnr.run(Stage::Placement, None, &["--json", NETLIST])?;
+            Timing::parse(&nextpnr.left("report", REPORT)?)?
+        }
+    };
+    let text = serde_json::to_vec(&timing).map_err(|e| failed(e.to_string()))?;
+    cache.keep("timing", &hash, &text)?;
     Ok(timing)
 }
 
@@ -93,30 +95,39 @@ impl Nextpnr<'_> {
         run_within(iterations, &line, self.folder, stage, self.settings, self.progress)
     }
 
-    /// Places, moves cells and routes.
-    fn with_moves(&self, target_mhz: f64) -> Result<()> {
+    /// Places, moves cells and routes; what the paths take by the delays of their wires.
+    fn with_moves(&self, target_mhz: f64) -> Result<Timing> {
         let failed = |what: String| Error::new(Kind::ToolFailed, what);
         self.run(Stage::Placement, None, &PLACE)?;
         (self.progress)(Stage::DetailedPlacement);
-        let placed = std::fs::read(self.folder.join(PLACED))
-            .map_err(|e| failed(format!("nextpnr left no placement: {e}")))?;
+        let placed = self.left("placement", PLACED)?;
         let (refined, _) = detailed_placement::refine(&placed, TARGET * 1e3 / target_mhz as f32)?;
-        std::fs::write(self.folder.join(REFINED), refined)
+        std::fs::write(self.folder.join(REFINED), &refined)
             .map_err(|e| failed(format!("cannot write the placement: {e}")))?;
         if !self.run(Stage::Routing, Some(MOST_ITERATIONS), &ROUTE)? {
             self.run(Stage::Routing, None, &[&ROUTE[..], &SECOND_ROUTER].concat())?;
         }
-        Ok(())
+        let delays = String::from_utf8(self.left("delays", DELAYS)?)
+            .map_err(|_| failed("the delays of nextpnr are no text".into()))?;
+        Timing::parse(&self.left("report", REPORT)?)?.with_delays(&delays, &refined)
+    }
+
+    /// A file that it should have written.
+    fn left(&self, what: &str, name: &str) -> Result<Vec<u8>> {
+        std::fs::read(self.folder.join(name))
+            .map_err(|e| Error::new(Kind::ToolFailed, format!("nextpnr left no {what}: {e}")))
     }
 }
 
 const NETLIST: &str = "netlist.json";
 const PLACED: &str = "placed.json";
 const REFINED: &str = "refined.json";
+const DELAYS: &str = "delays.sdf";
+const REPORT: &str = "report.json";
 
 /// Where cells are moved between placement and routing, nextpnr runs twice.
 const PLACE: [&str; 5] = ["--json", NETLIST, "--no-route", "--write", PLACED];
-const ROUTE: [&str; 4] = ["--json", REFINED, "--no-pack", "--no-place"];
+const ROUTE: [&str; 6] = ["--json", REFINED, "--no-pack", "--no-place", "--sdf", DELAYS];
 
 /// The share of the period that the moves aim at: routing makes it longer.
 const TARGET: f32 = 0.93;
@@ -143,7 +154,7 @@ const SECOND_ROUTER: [&str; 2] = ["--router", "router2"];
 /// The arguments of all runs.
 fn arguments(device: &Device, Run { seed, target_mhz }: Run) -> Vec<String> {
     let mut words: Vec<String> = device.arguments.iter().map(|word| word.to_string()).collect();
-    let more = ["--report", "report.json", "--timing-allow-fail"];
+    let more = ["--report", REPORT, "--timing-allow-fail"];
     words.extend(more.map(String::from));
     words.extend(["--freq".into(), target_mhz.to_string(), "--seed".into(), seed.to_string()]);
     match device.family {

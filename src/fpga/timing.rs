@@ -5,13 +5,16 @@
 //!   fmax.CLOCK.achieved      in MHz
 //!   utilization.CELL.used
 //! ```
+//!
+//! Where a placement was read back, the clock and the path come from the [delays](super::static_timing) instead.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use super::names::{bit_of, ours};
+use super::static_timing::{Delays, Longest};
 use crate::error::{Error, Kind, Result};
 
 /// The longest path from register to register.
@@ -31,6 +34,8 @@ pub struct CriticalPath {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Timing {
     pub clock_mhz: f64,
+    /// What nextpnr's own report says: less, where it counts carries wrongly.
+    pub reported_mhz: f64,
     pub critical_path: CriticalPath,
     /// Cells used, by the name that nextpnr gives their kind.
     pub used: BTreeMap<String, u64>,
@@ -62,7 +67,94 @@ impl Timing {
         };
         let paths = paths.filter(inner).map(critical_path);
         let longest = paths.max_by(|a, b| a.delay().total_cmp(&b.delay())).unwrap_or_default();
-        Ok(Timing { clock_mhz: rounded(clock), critical_path: longest, used })
+        let clock_mhz = rounded(clock);
+        Ok(Timing { clock_mhz, reported_mhz: clock_mhz, critical_path: longest, used })
+    }
+
+    /// With the clock and the path as they are by the delays (SDF) of a placement of an ECP5 that was read back; the
+    /// netlist is that placement. Where the delays as they stand do not give the clock of the report, another version of
+    /// nextpnr counts in another way, and the report stays as it is.
+    ///
+    /// # Errors
+    /// `ToolFailed` for what are no delays, or no netlist.
+    pub fn with_delays(self, sdf: &str, netlist: &[u8]) -> Result<Timing> {
+        let refused = |what: &str| Error::new(Kind::ToolFailed, format!("the delays of nextpnr {what}"));
+        let mut delays = Delays::parse(sdf).ok_or_else(|| refused("cannot be read"))?;
+        let clock = |longest: &Longest| rounded(1e6 / longest.picoseconds as f64);
+        let nothing = || refused("have no path from register to register");
+        let as_it_stands = clock(&delays.longest().ok_or_else(nothing)?);
+        if (as_it_stands - self.reported_mhz).abs() > 0.02 {
+            return Ok(self);
+        }
+        delays.count_upper_halves_as_packed();
+        let longest = delays.longest().ok_or_else(nothing)?;
+        let nets = names_of_nets(netlist, &longest.outputs).map_err(|_| refused("are of another netlist"))?;
+        let steps = longest.outputs.first().map_or("", |(cell, _)| cell);
+        let routing = longest.picoseconds - longest.logic;
+        let nanoseconds = |picoseconds: i64| rounded(picoseconds as f64 / 1e3);
+        let critical_path = CriticalPath {
+            from: begin(steps, nets.first().map(String::as_str)),
+            to: ours(&longest.end),
+            logic_ns: nanoseconds(longest.logic),
+            routing_ns: nanoseconds(routing),
+            through: each_once(nets.iter().map(|net| ours(net))),
+        };
+        Ok(Timing { clock_mhz: clock(&longest), critical_path, ..self })
+    }
+}
+
+/// The nets that the outputs drive.
+fn names_of_nets(netlist: &[u8], outputs: &[(String, String)]) -> serde_json::Result<Vec<String>> {
+    #[derive(Deserialize)]
+    struct Netlist {
+        modules: BTreeMap<String, Module>,
+    }
+    #[derive(Deserialize)]
+    struct Module {
+        cells: HashMap<String, Cell>,
+        netnames: HashMap<String, Net>,
+    }
+    #[derive(Deserialize)]
+    struct Cell {
+        connections: HashMap<String, Vec<Value>>,
+    }
+    #[derive(Deserialize)]
+    struct Net {
+        bits: Vec<Value>,
+    }
+    let netlist: Netlist = serde_json::from_slice(netlist)?;
+    let mut found = vec![];
+    for module in netlist.modules.values() {
+        let bit = |cell: &str, port: &str| module.cells.get(cell)?.connections.get(port)?.first()?.as_u64();
+        let bits: Vec<u64> = outputs.iter().filter_map(|(cell, port)| bit(cell, port)).collect();
+        let mut names = BTreeMap::new();
+        for (name, net) in &module.netnames {
+            if let Some(bit) = net.bits.first().and_then(Value::as_u64).filter(|bit| bits.contains(bit)) {
+                names.insert(bit, name.to_string());
+            }
+        }
+        found.extend(bits.iter().filter_map(|bit| names.get(bit).cloned()));
+    }
+    Ok(found)
+}
+
+fn each_once(names: impl Iterator<Item = String>) -> Vec<String> {
+    let mut once: Vec<String> = vec![];
+    for name in names {
+        if !once.contains(&name) {
+            once.push(name);
+        }
+    }
+    once
+}
+
+/// The register at the begin of a path. The first net is that of the register, with its bit; a cell's name has a number
+/// that is none.
+fn begin(cell: &str, first_net: Option<&str>) -> String {
+    let from = ours(cell);
+    match first_net.filter(|net| ours(net).split('[').next() == Some(&from)).and_then(bit_of) {
+        Some(bit) => format!("{from}[{bit}]"),
+        None => from,
     }
 }
 
@@ -72,35 +164,28 @@ impl CriticalPath {
     }
 }
 
-fn critical_path(path: &Value) -> CriticalPath {
-    let steps: Vec<&Value> = path["path"].as_array().into_iter().flatten().collect();
+fn critical_path<'a>(path: &'a Value) -> CriticalPath {
+    let steps: Vec<&'a Value> = path["path"].as_array().into_iter().flatten().collect();
     let delay = |routing: bool| {
         let own = steps.iter().filter(|step| (step["type"] == "routing") == routing);
         rounded(own.filter_map(|step| step["delay"].as_f64()).sum())
     };
-    let nets = steps.iter().filter_map(|step| step["net"].as_str());
-    let mut through: Vec<String> = vec![];
-    for net in nets.map(ours) {
-        if !through.contains(&net) {
-            through.push(net);
-        }
+    let nets = || steps.iter().filter_map(|step| step["net"].as_str());
+    let cell = |step: Option<&&'a Value>, end: &str| -> &'a str {
+        step.and_then(|step| step[end]["cell"].as_str()).unwrap_or_default()
+    };
+    CriticalPath {
+        from: begin(cell(steps.first(), "from"), nets().next()),
+        to: ours(cell(steps.last(), "to")),
+        logic_ns: delay(false),
+        routing_ns: delay(true),
+        through: each_once(nets().map(ours)),
     }
-    let end = |step: Option<&&Value>, end: &str| {
-        step.and_then(|step| step[end]["cell"].as_str()).map(ours).unwrap_or_default()
-    };
-    // The first net is that of the register, with its bit; a cell's name has a number that is none.
-    let first = steps.iter().find_map(|step| step["net"].as_str());
-    let from = end(steps.first(), "from");
-    let from = match first.filter(|net| ours(net).split('[').next() == Some(&from)).and_then(bit_of) {
-        Some(bit) => format!("{from}[{bit}]"),
-        None => from,
-    };
-    let to = end(steps.last(), "to");
-    CriticalPath { from, to, logic_ns: delay(false), routing_ns: delay(true), through }
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::static_timing::tests::ADDER;
     use super::*;
 
     const REPORT: &[u8] = br#"{ "critical_paths": [
@@ -127,6 +212,47 @@ mod tests {
         assert_eq!((path.from.as_str(), path.to.as_str()), ("control.pairs_left[3]", "engine_x.left_0"));
         assert_eq!((path.logic_ns, path.routing_ns), (0.58, 4.0));
         assert_eq!(path.through, ["control.pairs_left[3]", "step"]);
+    }
+
+    /// What nextpnr reports of [`ADDER`], and its placement.
+    fn of_the_adder(achieved: f64) -> Result<Timing> {
+        let sum = |half: u32| format!("core.sum_CCU2C_S0$CCU2_COMB{half}");
+        let netlist = serde_json::json!({ "modules": { "top": {
+            "cells": {
+                "core.a_TRELLIS_FF_Q": { "connections": { "Q": [2] } },
+                sum(0): { "connections": { "A": [2], "FCI": [], "FCO": [3] } },
+                sum(1): { "connections": { "FCI": [3], "FCO": [4] } },
+                "core.more_CCU2C_S0$CCU2_COMB0": { "connections": { "FCI": [4], "F": [5] } },
+                "b": { "connections": { "DI": [5] } },
+            },
+            "netnames": {
+                "core.a[7]": { "bits": [2] }, "core.sum_CCU2C_S0$COUT": { "bits": [3] },
+                "core.sum_CCU2C_S0_1_COUT": { "bits": [4] }, "core.more[1]": { "bits": [5] },
+            },
+        } } });
+        let report = format!(r#"{{ "fmax": {{ "clock": {{ "achieved": {achieved} }} }} }}"#);
+        let report = Timing::parse(report.as_bytes())?;
+        report.with_delays(ADDER, &serde_json::to_vec(&netlist).unwrap())
+    }
+
+    #[test]
+    fn the_delays_give_a_higher_clock_than_the_report_and_the_path_in_our_names() {
+        let timing = of_the_adder(1e6 / 1956.0).unwrap();
+        assert_eq!((timing.reported_mhz, timing.clock_mhz), (511.25, 526.32));
+        let path = timing.critical_path;
+        assert_eq!((path.from.as_str(), path.to.as_str()), ("a[7]", "b"));
+        assert_eq!((path.logic_ns, path.routing_ns), (1.08, 0.82));
+        assert_eq!(path.through, ["a[7]", "sum", "more[1]"]);
+    }
+
+    #[test]
+    fn where_the_delays_are_not_those_of_the_report_the_report_stays() {
+        let timing = of_the_adder(500.0).unwrap();
+        assert_eq!((timing.reported_mhz, timing.clock_mhz), (500.0, 500.0));
+        let report = || Timing::parse(br#"{ "fmax": { "clock": { "achieved": 511.25 } } }"#).unwrap();
+        for (sdf, netlist) in [("(IOPATH A", "{}"), ("", "{}"), (ADDER, "no")] {
+            assert_eq!(report().with_delays(sdf, netlist.as_bytes()).unwrap_err().exit_status(), 5);
+        }
     }
 
     #[test]

@@ -34,6 +34,12 @@ fn facts(report: &Report) -> Vec<(String, String)> {
         ),
         ("area".into(), area_text(area, Some(report.carry_cells))),
     ];
+    if clock.seeds.iter().any(|seed| seed.mhz != seed.reported_mhz) {
+        let reported: Vec<String> =
+            clock.seeds.iter().map(|seed| format!("{:.1}", seed.reported_mhz)).collect();
+        let why = "which counts the upper halves of carries as lower ones";
+        facts.insert(4, ("reported".into(), format!("{} MHz by nextpnr, {why}", reported.join(", "))));
+    }
     if let Some(estimate) = &report.estimate {
         let off = |error: f64| format!("{:+.1} %", 100.0 * error);
         facts.push((

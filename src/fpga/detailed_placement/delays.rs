@@ -47,15 +47,14 @@ pub fn wire(dx: i32, dy: i32, to: Kind, readers: usize) -> f32 {
 /// From an input of a cell to an output, where there is a way.
 pub fn through(cell: &Cell, from: Port, to: Port) -> Option<f32> {
     use Port::{A, B, C, D, F, F1, Fci, Fco, Fxa, Fxb, M, Ofx};
+    let upper = cell.slot % 2 == 1;
     match (cell.kind, from, to) {
         (Kind::Lut | Kind::Wide | Kind::Ram | Kind::Carry, A | B | C | D, F) => Some(0.18),
         (Kind::Wide, A | B | C | D, Ofx) => Some(0.3),
         (Kind::Wide, M | Fxa | Fxb | F1, Ofx) => Some(0.2),
         (Kind::Carry, A | B | C | D, Fco) => Some(0.355),
-        (Kind::Carry, Fci, F) => Some(0.328),
-        // Of every half of a slice: nextpnr 0.11 counts so where it reads a placement back, as it takes upper halves for
-        // lower ones then. In a design that it has packed itself, an upper half takes nothing.
-        (Kind::Carry, Fci, Fco) => Some(0.056),
+        (Kind::Carry, Fci, F) => Some(if upper { 0.293 } else { 0.328 }),
+        (Kind::Carry, Fci, Fco) => Some(if upper { 0.0 } else { 0.056 }),
         _ => None,
     }
 }

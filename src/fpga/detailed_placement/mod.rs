@@ -39,7 +39,7 @@ use crate::error::{Error, Kind, Result};
 use search::Search;
 
 /// Another one wherever the same placement comes to another one.
-pub const VERSION: &str = "2";
+pub const VERSION: &str = "3";
 
 /// What came of it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

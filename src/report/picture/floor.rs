@@ -1,8 +1,7 @@
 //! The floor and the backdrop are one seamless sheet of paper; the scene casts its shadow on it.
 
-use super::{
-    arithmetic::smooth_step, camera::Camera, colour::oklab, parallel, studio::Ray, visibility::DepthMap,
-};
+use super::{arithmetic::smooth_step, camera::Camera, colour::oklab, studio::Ray, visibility::DepthMap};
+use crate::parallel;
 use glam::{Vec2, Vec3};
 
 /// Points along the side of the lattice on which the light is gathered, and half its width in radii.

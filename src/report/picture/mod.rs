@@ -32,7 +32,6 @@ mod groups;
 mod legend;
 mod lettering;
 mod lines;
-mod parallel;
 mod raster;
 mod scene;
 mod shade;
@@ -46,6 +45,7 @@ mod visibility;
 pub use scene::{Axis, Colouring, Finish, Normals, Options, Patch, Scene, Wire};
 
 use crate::error::Result;
+use crate::parallel;
 use camera::{Camera, Margins};
 use colour::{Encoder, oklab};
 use floor::Floor;

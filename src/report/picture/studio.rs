@@ -6,10 +6,10 @@
 use super::{
     arithmetic::{power, smooth_step},
     camera::Camera,
-    parallel,
     surface::Surface,
     visibility::DepthMap,
 };
+use crate::parallel;
 use glam::Vec3;
 
 /// Light from one direction.

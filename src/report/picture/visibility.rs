@@ -9,7 +9,8 @@
 //!
 //! Many directions with soft edges add up to area lights, ambient occlusion and the shadow on the floor.
 
-use super::{parallel, surface::Surface};
+use super::surface::Surface;
+use crate::parallel;
 use glam::Vec3;
 
 /// Squares along the side of a map, and the width of a square in radii of the scene.
