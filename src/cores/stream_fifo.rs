@@ -24,8 +24,8 @@ const UNSEEN: i128 = 2;
 pub const OVERHEAD: u32 = 12;
 
 /// Bits that one count reads from the RAM, and that one signal takes from there.
-const MOST_READ: u32 = 24;
-const MOST_TAKEN: u32 = 48;
+const MOST_READ: u32 = 16;
+const MOST_TAKEN: u32 = 32;
 
 /// A FIFO of 2^`log_depth` words made of `lanes`.
 ///
@@ -62,8 +62,8 @@ pub fn build(log_depth: u32, lanes: &[(String, Word)]) -> Result<Rc<Module>> {
     };
     let one = counted("stored_less_1", -1, &push, &take, [1, -1]);
     let two = counted("stored_less_2", -2, &push, &take, [1, -1]);
-    let stays_filled = m.wire("stays_filled", &two | &(&one & !&take));
-    m.always(&filled, &stays_filled);
+    let stays_filled = |take: &Signal| &two | &(&one & !take);
+    m.always(&filled, stays_filled(&take));
 
     // All words of the RAM but one: a full RAM would look like an empty one.
     let has_room = m.register_reset("has_room", Word::bit(), 0);
@@ -91,7 +91,7 @@ pub fn build(log_depth: u32, lanes: &[(String, Word)]) -> Result<Rc<Module>> {
             let copy = |name: &str| m.unmerged(m.register_reset(format!("{name}_copy"), Word::bit(), 0));
             let (filled, valid) = (copy("filled"), copy("valid"));
             let take = m.wire("take_copy", takes(&filled, &valid));
-            m.always(&filled, &stays_filled);
+            m.always(&filled, stays_filled(&take));
             m.on(&take, &valid, m.bit(true));
             m.on(&ready, &valid, m.bit(false));
             let push = pushed("pushed_copy");

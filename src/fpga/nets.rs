@@ -1,7 +1,8 @@
 //! Who drives each bit of a module of the netlist, and who reads it.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 
+use serde::Deserialize;
 use serde_json::{Value, json};
 
 /// A port of a cell, or of the module where the cell has no name; the name of the cell, then that of the port.
@@ -69,4 +70,43 @@ pub fn open() -> Value {
 /// A table of 16 bits, as Yosys writes it: the entry of all ones first.
 pub fn table(cell: &Value, parameter: &str) -> Option<u16> {
     u16::from_str_radix(cell["parameters"][parameter].as_str()?, 2).ok()
+}
+
+/// The names of the nets at ports of cells, where a netlist has them; it is read as text, as it is large and only this is
+/// asked of it.
+///
+/// # Errors
+/// What is no netlist.
+pub fn names_at(netlist: &[u8], pins: &[Pin]) -> serde_json::Result<Vec<String>> {
+    #[derive(Deserialize)]
+    struct Netlist {
+        modules: BTreeMap<String, Module>,
+    }
+    #[derive(Deserialize)]
+    struct Module {
+        cells: HashMap<String, Cell>,
+        netnames: HashMap<String, Net>,
+    }
+    #[derive(Deserialize)]
+    struct Cell {
+        connections: HashMap<String, Vec<Value>>,
+    }
+    #[derive(Deserialize)]
+    struct Net {
+        bits: Vec<Value>,
+    }
+    let netlist: Netlist = serde_json::from_slice(netlist)?;
+    let mut found = vec![];
+    for module in netlist.modules.values() {
+        let bit = |cell: &str, port: &str| module.cells.get(cell)?.connections.get(port)?.first()?.as_u64();
+        let bits: Vec<u64> = pins.iter().filter_map(|(cell, port)| bit(cell, port)).collect();
+        let mut names = BTreeMap::new();
+        for (name, net) in &module.netnames {
+            if let Some(bit) = net.bits.first().and_then(Value::as_u64).filter(|bit| bits.contains(bit)) {
+                names.insert(bit, name.to_string());
+            }
+        }
+        found.extend(bits.iter().filter_map(|bit| names.get(bit).cloned()));
+    }
+    Ok(found)
 }

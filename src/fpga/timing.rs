@@ -8,12 +8,13 @@
 //!
 //! Where a placement was read back, the clock and the path come from the [delays](super::static_timing) instead.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use super::names::{bit_of, ours};
+use super::nets::names_at;
 use super::static_timing::{Delays, Longest};
 use crate::error::{Error, Kind, Result};
 
@@ -88,60 +89,25 @@ impl Timing {
         }
         delays.count_upper_halves_as_packed();
         let longest = delays.longest().ok_or_else(nothing)?;
-        let nets = names_of_nets(netlist, &longest.outputs).map_err(|_| refused("are of another netlist"))?;
-        let steps = longest.outputs.first().map_or("", |(cell, _)| cell);
-        let routing = longest.picoseconds - longest.logic;
+        let nets = names_at(netlist, &longest.outputs).map_err(|_| refused("are of another netlist"))?;
+        let first = longest.outputs.first().map_or("", |(cell, _)| cell);
         let nanoseconds = |picoseconds: i64| rounded(picoseconds as f64 / 1e3);
         let critical_path = CriticalPath {
-            from: begin(steps, nets.first().map(String::as_str)),
+            from: begin(first, nets.first().map(String::as_str)),
             to: ours(&longest.end),
             logic_ns: nanoseconds(longest.logic),
-            routing_ns: nanoseconds(routing),
+            routing_ns: nanoseconds(longest.picoseconds - longest.logic),
             through: each_once(nets.iter().map(|net| ours(net))),
         };
         Ok(Timing { clock_mhz: clock(&longest), critical_path, ..self })
     }
 }
 
-/// The nets that the outputs drive.
-fn names_of_nets(netlist: &[u8], outputs: &[(String, String)]) -> serde_json::Result<Vec<String>> {
-    #[derive(Deserialize)]
-    struct Netlist {
-        modules: BTreeMap<String, Module>,
-    }
-    #[derive(Deserialize)]
-    struct Module {
-        cells: HashMap<String, Cell>,
-        netnames: HashMap<String, Net>,
-    }
-    #[derive(Deserialize)]
-    struct Cell {
-        connections: HashMap<String, Vec<Value>>,
-    }
-    #[derive(Deserialize)]
-    struct Net {
-        bits: Vec<Value>,
-    }
-    let netlist: Netlist = serde_json::from_slice(netlist)?;
-    let mut found = vec![];
-    for module in netlist.modules.values() {
-        let bit = |cell: &str, port: &str| module.cells.get(cell)?.connections.get(port)?.first()?.as_u64();
-        let bits: Vec<u64> = outputs.iter().filter_map(|(cell, port)| bit(cell, port)).collect();
-        let mut names = BTreeMap::new();
-        for (name, net) in &module.netnames {
-            if let Some(bit) = net.bits.first().and_then(Value::as_u64).filter(|bit| bits.contains(bit)) {
-                names.insert(bit, name.to_string());
-            }
-        }
-        found.extend(bits.iter().filter_map(|bit| names.get(bit).cloned()));
-    }
-    Ok(found)
-}
-
+/// What has a name of ours, each once.
 fn each_once(names: impl Iterator<Item = String>) -> Vec<String> {
     let mut once: Vec<String> = vec![];
     for name in names {
-        if !once.contains(&name) {
+        if !name.is_empty() && !once.contains(&name) {
             once.push(name);
         }
     }
@@ -226,7 +192,7 @@ mod tests {
                 "b": { "connections": { "DI": [5] } },
             },
             "netnames": {
-                "core.a[7]": { "bits": [2] }, "core.sum_CCU2C_S0$COUT": { "bits": [3] },
+                "core.a[7]": { "bits": [2] }, "$abc$9$carry": { "bits": [3] },
                 "core.sum_CCU2C_S0_1_COUT": { "bits": [4] }, "core.more[1]": { "bits": [5] },
             },
         } } });
