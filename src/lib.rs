@@ -16,7 +16,7 @@
 //!
 //! | room | what lives there | uses |
 //! |---|---|---|
-//! | [`error`], [`files`] | the one error type; files written whole or not at all | nothing |
+//! | [`error`], [`files`], `parallel` | the one error type; files written whole or not at all; every core at work | nothing |
 //! | [`mesh`] | indexed meshes, adjacency, readers and writers, built-in shapes | `fixed` formats |
 //! | [`fixed`] | formats, rounding, exact ranges, exact linear forms | nothing |
 //! | [`surface`] | masks, patches, hierarchy, oracles, in exact numbers | `mesh`, `fixed` |

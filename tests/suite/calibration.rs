@@ -38,7 +38,7 @@ fn show(calibration: &Calibration, features: &[Features]) -> f64 {
         let errors = errors(calibration.constants(device.family).unwrap(), features, point);
         largest = errors.iter().fold(largest, |largest, error| largest.max(error.abs()));
         let errors = errors.map(|error| format!("{:+5.1}%", 100.0 * error)).join(" ");
-        let Point { device, core, luts, flip_flops, mhz } = point;
+        let Point { device, core, luts, flip_flops, mhz, .. } = point;
         println!("{errors}  {luts} {flip_flops} {mhz}  {core} on {device}");
     }
     largest
@@ -70,7 +70,7 @@ fn measured_anew() {
         let options = Options {
             device: Device::named(&point.device).unwrap(),
             seeds: 1,
-            target_mhz: 400.0,
+            target_mhz: point.target_mhz,
             cached: true,
             settings: Settings { timeout: std::time::Duration::from_secs(7200), ..Settings::default() },
         };

@@ -53,6 +53,7 @@ pub fn through(cell: &Cell, from: Port, to: Port) -> Option<f32> {
         (Kind::Wide, A | B | C | D, Ofx) => Some(0.3),
         (Kind::Wide, M | Fxa | Fxb | F1, Ofx) => Some(0.2),
         (Kind::Carry, A | B | C | D, Fco) => Some(0.355),
+        (Kind::Multiplier, _, _) => Some(3.066),
         (Kind::Carry, Fci, F) => Some(if upper { 0.293 } else { 0.328 }),
         (Kind::Carry, Fci, Fco) => Some(if upper { 0.0 } else { 0.056 }),
         _ => None,

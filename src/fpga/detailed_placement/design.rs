@@ -26,6 +26,8 @@ pub enum Kind {
     RamWrite,
     Register,
     BlockRam,
+    /// One without registers.
+    Multiplier,
     /// Pads, clock buffers and the like, which do not move.
     Other,
 }

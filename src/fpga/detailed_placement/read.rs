@@ -149,6 +149,10 @@ impl Reader {
     }
 }
 
+/// The settings that say which clock each register of a multiplier has.
+const MULTIPLIER_CLOCKS: [&str; 4] =
+    ["REG_INPUTA_CLK", "REG_INPUTB_CLK", "REG_PIPELINE_CLK", "REG_OUTPUT_CLK"];
+
 fn kind(cell: &Value) -> Kind {
     match cell["type"].as_str().unwrap_or_default() {
         "TRELLIS_FF" => Kind::Register,
@@ -161,6 +165,9 @@ fn kind(cell: &Value) -> Kind {
             _ => Kind::Lut,
         },
         "DP16KD" | "PDPW16KD" => Kind::BlockRam,
+        "MULT18X18D" if MULTIPLIER_CLOCKS.iter().all(|clock| matches!(setting(cell, clock), "" | "NONE")) => {
+            Kind::Multiplier
+        }
         _ => Kind::Other,
     }
 }

@@ -16,7 +16,7 @@ const CLOCK: u64 = 1;
 impl Placed {
     fn cell(&mut self, name: &str, kind: &str, place: &str, settings: Value, ports: &[(&str, u64)]) {
         let out = |port: &str| {
-            matches!(port, "F" | "Q" | "FCO") || port.starts_with("WDO") || port.starts_with("WADO")
+            matches!(port, "F" | "Q" | "FCO" | "P7") || port.starts_with("WDO") || port.starts_with("WADO")
         };
         let directions: Map<String, Value> = ports
             .iter()
@@ -162,6 +162,19 @@ fn a_lower_half_of_a_slice_makes_a_carry_later_and_an_upper_one_does_not() {
     for bits in 20..30 {
         assert!((reach(bits + 2) - reach(bits) - 0.056).abs() < 1e-4);
     }
+}
+
+#[test]
+fn a_path_goes_on_through_a_multiplier_without_registers() {
+    let reach = |clock: &str| {
+        let mut placed = far_apart();
+        let ports = [("A3", 2), ("P7", 4)];
+        let settings = json!({ "REG_INPUTA_CLK": "NONE", "REG_OUTPUT_CLK": clock });
+        placed.cell("product", "MULT18X18D", "X49/Y10/MULT18_0", settings, &ports);
+        placed.register("c", "X50/Y10/SLICEA.FF0", &[("M", 4)]);
+        placed.read().unwrap().reach()
+    };
+    assert!((1.0..1.5).contains(&reach("CLK0")) && reach("NONE") > 4.0);
 }
 
 #[test]

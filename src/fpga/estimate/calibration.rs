@@ -52,6 +52,8 @@ pub struct Point {
     pub device: String,
     /// Behind `subdiv-rtl synth`.
     pub core: String,
+    /// The clock that was asked for.
+    pub target_mhz: f64,
     pub luts: u64,
     pub flip_flops: u64,
     pub mhz: f64,
@@ -221,7 +223,14 @@ mod tests {
         let point = |core: &Features| {
             let made = truth.estimate(core, device);
             let (luts, flip_flops, mhz) = (made.luts, made.flip_flops, made.clock_mhz);
-            Point { device: device.name.into(), core: String::new(), luts, flip_flops, mhz }
+            Point {
+                device: device.name.into(),
+                core: String::new(),
+                target_mhz: 400.0,
+                luts,
+                flip_flops,
+                mhz,
+            }
         };
         let mut calibration = Calibration { family: vec![], point: cores.iter().map(point).collect() };
         calibration.fit(&cores);

@@ -9,7 +9,7 @@
 //!
 //! Many directions with soft edges add up to area lights, ambient occlusion and the shadow on the floor.
 
-use super::surface::Surface;
+use super::Surface;
 use crate::parallel;
 use glam::Vec3;
 
