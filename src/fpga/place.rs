@@ -148,7 +148,7 @@ const ECP5: [&str; 3] = ["--lpf-allow-unconstrained", "--placer-heap-timingweigh
 /// The first router looks for the shortest way of every wire, the second one begins at whatever the net has near by:
 /// of one placement of 70,000 cells 230 MHz in place of 197. But the first one need not end where the device is full.
 /// That design takes it 210,000 iterations, three minutes.
-const MOST_ITERATIONS: u32 = 1_000_000;
+const MOST_ITERATIONS: u32 = 400_000;
 const SECOND_ROUTER: [&str; 2] = ["--router", "router2"];
 
 /// The arguments of all runs.
