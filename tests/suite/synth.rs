@@ -82,7 +82,10 @@ fn a_small_core_is_placed_and_the_same_seed_gives_the_same_report() {
     let number = |value: &serde_json::Value| value.as_f64().unwrap();
     assert!(number(&found["clock"]["median"]) > 50.0);
     let seed = &found["clock"]["seeds"][0];
-    assert!(number(&seed["reported_mhz"]) <= number(&seed["mhz"]), "{seed}");
+    let (reported, clock) = (number(&seed["reported_mhz"]), number(&seed["mhz"]));
+    // The slowest path goes along a carry, which that version counts wrongly.
+    let wrong = found["nextpnr"].as_str().unwrap().starts_with("nextpnr-0.11");
+    assert!(if wrong { reported < clock } else { reported <= clock }, "{seed}");
     let units = found["units"].as_array().unwrap();
     let sum: f64 = units.iter().map(|unit| number(&unit["area"]["luts"])).sum();
     let placed = number(&found["area"]["luts"]);
