@@ -28,12 +28,15 @@ pub struct Throughput {
 }
 
 /// The clock that one seed reached.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SeedClock {
     pub seed: u32,
     pub mhz: f64,
     /// What the report of nextpnr says; less, where it counts the carries of an ECP5 wrongly.
     pub reported_mhz: f64,
+    /// Why the clock is what nextpnr reports, where it should come from the delays.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub remark: Option<String>,
 }
 
 /// The clocks of all seeds, in MHz.
@@ -185,6 +188,7 @@ fn clock(target: f64, timings: &[(u32, Timing)]) -> Clock {
         seed: *seed,
         mhz: timing.clock_mhz,
         reported_mhz: timing.reported_mhz,
+        remark: timing.remark.clone(),
     };
     let seeds: Vec<SeedClock> = timings.iter().map(seed).collect();
     let mut sorted: Vec<f64> = seeds.iter().map(|seed| seed.mhz).collect();
@@ -247,7 +251,7 @@ mod tests {
             let path = CriticalPath::default();
             let timing = |&clock_mhz| {
                 let (critical_path, used) = (path.clone(), BTreeMap::new());
-                Timing { clock_mhz, reported_mhz: clock_mhz, critical_path, used }
+                Timing { clock_mhz, reported_mhz: clock_mhz, remark: None, critical_path, used }
             };
             clock(400.0, &clocks.iter().map(timing).map(|timing| (1, timing)).collect::<Vec<_>>())
         };

@@ -1,6 +1,6 @@
 //! What `synth` has measured, for people.
 
-use crate::fpga::{Area, Report};
+use crate::fpga::{Area, Clock, Report, SeedClock};
 use crate::report::table::{Align, Table, thousands};
 
 /// Thousands, millions, billions a second.
@@ -16,30 +16,13 @@ pub fn rate(value: f64) -> String {
 fn facts(report: &Report) -> Vec<(String, String)> {
     let Report { clock, area, throughput, critical_path: path, .. } = report;
     let what = &throughput.what;
-    let seeds: Vec<String> = clock.seeds.iter().map(|seed| format!("{:.1}", seed.mhz)).collect();
     let mut facts = vec![
         ("core".to_string(), report.command.replacen("subdiv-rtl generate ", "", 1)),
         ("device".into(), format!("{} ({})", report.device, report.part)),
         ("tools".into(), format!("{}; {}", report.yosys, report.nextpnr)),
-        (
-            "clock".into(),
-            format!(
-                "median {:.1} MHz, least {:.1} MHz over {} ({}); asked for {} MHz",
-                clock.median,
-                clock.min,
-                if seeds.len() == 1 { "1 seed".into() } else { format!("{} seeds", seeds.len()) },
-                seeds.join(", "),
-                clock.target
-            ),
-        ),
-        ("area".into(), area_text(area, Some(report.carry_cells))),
     ];
-    if clock.seeds.iter().any(|seed| seed.mhz != seed.reported_mhz) {
-        let reported: Vec<String> =
-            clock.seeds.iter().map(|seed| format!("{:.1}", seed.reported_mhz)).collect();
-        let why = "which counts the upper halves of carries as lower ones";
-        facts.insert(4, ("reported".into(), format!("{} MHz by nextpnr, {why}", reported.join(", "))));
-    }
+    facts.extend(clocks(clock));
+    facts.push(("area".into(), area_text(area, Some(report.carry_cells))));
     if let Some(estimate) = &report.estimate {
         let off = |error: f64| format!("{:+.1} %", 100.0 * error);
         facts.push((
@@ -80,6 +63,32 @@ fn facts(report: &Report) -> Vec<(String, String)> {
     if path.through.len() > 1 {
         facts.push(("through".into(), path.through.join(", ")));
     }
+    facts
+}
+
+/// Those of all seeds, and where they come from.
+fn clocks(clock: &Clock) -> Vec<(String, String)> {
+    let list = |mhz: fn(&SeedClock) -> f64| {
+        let all: Vec<String> = clock.seeds.iter().map(|seed| format!("{:.1}", mhz(seed))).collect();
+        all.join(", ")
+    };
+    let count = clock.seeds.len();
+    let text = format!(
+        "median {:.1} MHz, least {:.1} MHz over {count} seed{} ({}); asked for {} MHz",
+        clock.median,
+        clock.min,
+        if count == 1 { "" } else { "s" },
+        list(|seed| seed.mhz),
+        clock.target
+    );
+    let mut facts = vec![("clock".to_string(), text)];
+    if clock.seeds.iter().any(|seed| seed.mhz != seed.reported_mhz) {
+        let reported = list(|seed| seed.reported_mhz);
+        let why = "which counts the upper halves of carries as lower ones";
+        facts.push(("reported".into(), format!("{reported} MHz by nextpnr, {why}")));
+    }
+    let remarks = clock.seeds.iter().filter_map(|seed| Some((seed.seed, seed.remark.clone()?)));
+    facts.extend(remarks.map(|(seed, remark)| (format!("clock of seed {seed}"), remark)));
     facts
 }
 
@@ -136,4 +145,26 @@ pub fn markdown(report: &Report) -> String {
         text += &format!("| {} |\n", row.join(" | "));
     }
     text + &format!("\n{COUNTED}\n")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_clocks_say_where_they_come_from() {
+        let seed = |seed, mhz, reported_mhz| SeedClock { seed, mhz, reported_mhz, remark: None };
+        let of = |seeds: &[SeedClock]| {
+            clocks(&Clock { target: 300.0, min: 250.0, median: 255.0, seeds: seeds.into() })
+        };
+        let plain = of(&[seed(1, 250.0, 250.0)]);
+        let text = "median 255.0 MHz, least 250.0 MHz over 1 seed (250.0); asked for 300 MHz";
+        assert_eq!(plain, [("clock".to_string(), text.to_string())]);
+
+        let doubtful = SeedClock { remark: Some("as reported".into()), ..seed(2, 260.0, 260.0) };
+        let facts = of(&[seed(1, 250.0, 230.0), doubtful]);
+        assert!(facts[0].1.contains("over 2 seeds (250.0, 260.0)"), "{facts:?}");
+        assert!(facts[1].1.starts_with("230.0, 260.0 MHz by nextpnr"), "{facts:?}");
+        assert_eq!(facts[2], ("clock of seed 2".into(), "as reported".into()));
+    }
 }
