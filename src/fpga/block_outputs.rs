@@ -6,7 +6,8 @@
 //! ```
 //!
 //! Yosys, to 0.70 at least, makes no use of them (YosysHQ/yosys issue 5814: `memory_libmap` emits `REGMODE` NOREG always);
-//! a RAM whose word goes to a plain register and nowhere else shows it.
+//! a RAM whose word goes to a plain register and nowhere else shows it. The register may have an enable, and the RAM one
+//! of its own.
 
 use std::collections::BTreeSet;
 
@@ -19,6 +20,8 @@ struct Plan {
     ram: String,
     /// The ports of the RAM whose outputs are registered, by their letters.
     sides: Vec<char>,
+    /// When the registers take their inputs: a net or 1.
+    enable: Value,
     /// Outputs, each with its register and what that drives.
     outputs: Vec<(String, String, u64)>,
 }
@@ -32,11 +35,11 @@ pub fn register_outputs(module: &mut Value) -> u64 {
         rams.filter_map(|(name, cell)| plan(name, cell, &nets, &|register| cells.get(register))).collect();
     let Some(cells) = module["cells"].as_object_mut() else { return 0 };
     let mut absorbed = BTreeSet::new();
-    for Plan { ram, sides, outputs } in plans {
+    for Plan { ram, sides, enable, outputs } in plans {
         let cell = &mut cells[&ram];
         for side in sides {
             cell["parameters"][format!("REGMODE_{side}")] = json!("OUTREG");
-            cell["connections"][format!("OCE{side}")] = json!(["1"]);
+            cell["connections"][format!("OCE{side}")] = json!([enable]);
         }
         for (output, register, driven) in outputs {
             cell["connections"][output] = json!([driven]);
@@ -76,24 +79,30 @@ fn plan<'a>(name: &str, ram: &Value, nets: &Nets, cell: &dyn Fn(&str) -> Option<
     };
     let always = |port: &str, value: &str| bit(ram, &format!("{port}{by}")).is_some_and(|bit| bit == value);
     let clock = net(ram, &format!("CLK{by}"))?;
-    let fits = always("CE", "1")
-        && always("RST", "0")
+    let enabled = |(_, register, _): &(String, String, u64)| enable(cell(register)?, clock);
+    let enable = enabled(outputs.first()?)?;
+    let fits = always("RST", "0")
         && ram["parameters"][format!("CLK{by}MUX")] == format!("CLK{by}")
-        && outputs.iter().all(|(_, register, _)| cell(register).is_some_and(|cell| is_plain(cell, clock)));
-    fits.then(|| Plan { ram: name.into(), sides, outputs })
+        && outputs.iter().all(|output| enabled(output).as_ref() == Some(&enable));
+    fits.then(|| Plan { ram: name.into(), sides, enable, outputs })
 }
 
-/// A register that takes its input at every rising edge of this clock, and is 0 at first.
-fn is_plain(register: &Value, clock: u64) -> bool {
+/// The enable of a register that takes its input at rising edges of this clock, and is 0 at first.
+fn enable(register: &Value, clock: u64) -> Option<Value> {
     let is = |port: &str, value: &str| bit(register, port).is_none_or(|bit| bit == value);
     let parameters = &register["parameters"];
-    register["type"] == "TRELLIS_FF"
+    let fits = register["type"] == "TRELLIS_FF"
         && net(register, "CLK") == Some(clock)
         && parameters["CLKMUX"] == "CLK"
         && parameters["REGSET"] == "RESET"
         && parameters["LSRMUX"] == "LSR"
-        && is("LSR", "0")
-        && (parameters["CEMUX"].as_str().is_some_and(|mux| mux.trim() == "1") || is("CE", "1"))
+        && is("LSR", "0");
+    let enable = match parameters["CEMUX"].as_str()?.trim() {
+        "1" => json!("1"),
+        "CE" => bit(register, "CE")?.clone(),
+        _ => return None,
+    };
+    fits.then_some(enable)
 }
 
 /// A number as Yosys writes it, in binary.
@@ -153,11 +162,29 @@ mod tests {
     }
 
     #[test]
+    fn the_enable_of_the_registers_goes_with_them_and_that_of_the_ram_stays() {
+        let with = |low: u64, high: u64| {
+            ram(18, &|module| {
+                for (cell, net) in [("low", low), ("high", high)] {
+                    module["cells"][cell]["parameters"]["CEMUX"] = json!("CE");
+                    module["cells"][cell]["connections"]["CE"] = json!([net]);
+                }
+                module["cells"]["ram"]["connections"]["CEB"] = json!([6]);
+            })
+        };
+        let mut module = with(5, 5);
+        assert_eq!(register_outputs(&mut module), 2);
+        let connections = &module["cells"]["ram"]["connections"];
+        assert_eq!((&connections["CEB"], &connections["OCEB"]), (&json!([6]), &json!([5])));
+        assert_eq!(register_outputs(&mut with(5, 7)), 0, "one enable for all");
+    }
+
+    #[test]
     fn whatever_a_register_of_the_ram_cannot_do_stays_outside() {
         let set = |cell: &'static str, kind: &'static str, name: &'static str, value: Value| {
             move |module: &mut Value| module["cells"][cell][kind][name] = value.clone()
         };
-        let changes: [&dyn Fn(&mut Value); 8] = [
+        let changes: [&dyn Fn(&mut Value); 7] = [
             &set("high", "connections", "CLK", json!([3])),
             &set("high", "connections", "LSR", json!([4])),
             &set("high", "parameters", "REGSET", json!("SET")),
@@ -166,7 +193,6 @@ mod tests {
                 module["cells"]["high"]["parameters"]["CEMUX"] = json!("CE");
                 module["cells"]["high"]["connections"]["CE"] = json!([5]);
             },
-            &set("ram", "connections", "CEB", json!([6])),
             &set("ram", "parameters", "CLKBMUX", json!("INV")),
             // Somebody else reads the word, too.
             &|module| module["ports"]["y"]["bits"] = json!([20, 21, 11]),

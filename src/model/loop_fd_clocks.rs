@@ -137,6 +137,8 @@ struct Machine {
     takes: bool,
     returned: bool,
     filled: bool,
+    /// A word stands behind the memory of the FIFO.
+    stands: bool,
     /// Clocks in which words reach the FIFO, in order.
     in_flight: std::collections::VecDeque<u64>,
     stored: u32,
@@ -173,11 +175,14 @@ impl Machine {
             None => self.waiting.filter(|_| finishing || !(self.running || self.starting)),
         };
 
-        let take = self.filled && (!self.valid || ready);
         let valid = self.valid;
+        let moves_on = !valid || ready;
+        let take = self.filled && moves_on;
 
         // The edge. Output side:
-        self.valid = take || (valid && !ready);
+        if moves_on {
+            (self.stands, self.valid) = (self.filled, self.stands);
+        }
         self.filled = self.stored > u32::from(take);
         self.stored -= u32::from(take);
         if self.in_flight.front() == Some(&self.now) {

@@ -108,6 +108,8 @@ fn faults_of_control_and_buffer_are_seen() {
         (Stall::None, Stall::None),
         (Stall::Random { percent: 30 }, Stall::Random { percent: 40 }),
         (Stall::Bursts, Stall::OneIn(3)),
+        // Long enough to fill the FIFO.
+        (Stall::None, Stall::Random { percent: 80 }),
     ];
     let stimuli: Vec<Stimulus> = (1..)
         .zip(stalls)

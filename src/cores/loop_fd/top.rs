@@ -220,14 +220,12 @@ pub(super) fn stream_out(
         }
     }
     let numbers = lanes.len();
-    for (k, keep) in flags.keeps.iter().enumerate() {
-        let name = if flags.keeps.len() == 1 { "pair".into() } else { format!("keep_{}", k + 1) };
-        lanes.push((name, beside(keep)));
-    }
-    for (name, flag) in [("last", flags.last), ("start", flags.start), ("end", flags.end)] {
-        lanes.push((name.into(), beside(flag)));
-    }
-    let shapes: Vec<(String, Word)> = lanes.iter().map(|(name, s)| (name.clone(), s.word())).collect();
+    let flags: Vec<Signal> =
+        flags.keeps.iter().chain([flags.last, flags.start, flags.end]).map(beside).collect();
+    lanes.push(("flags".into(), m.concat(&flags.iter().rev().collect::<Vec<_>>())));
+    let mut shapes: Vec<(String, Word)> = lanes.iter().map(|(name, s)| (name.clone(), s.word())).collect();
+    // What comes from one engine stays together.
+    shapes.sort_by_key(|(name, _)| name.chars().last());
     let log_depth = (parameters.decided_before() + depth + stream_fifo::OVERHEAD).next_power_of_two().ilog2();
     let ports: Vec<String> = lanes.iter().map(|(name, _)| format!("in_{name}")).collect();
     let mut inputs: Vec<(&str, &Signal)> =
@@ -236,7 +234,8 @@ pub(super) fn stream_out(
     let fifo = m.instance("output_fifo", &stream_fifo::build(log_depth, &shapes)?, &inputs);
 
     let out: Vec<Signal> = lanes.iter().map(|(name, _)| fifo.out(&format!("out_{name}"))).collect();
-    let (out, flags) = out.split_at(numbers);
+    let (out, told) = out.split_at(numbers);
+    let flags: Vec<Signal> = (0..flags.len() as u32).map(|bit| m.slice(&told[0], bit, 1)).collect();
     let vertices: Vec<(&str, &Signal)> = lanes.iter().map(|(name, _)| name.as_str()).zip(out).collect();
     let (keeps, ends) = flags.split_at(flags.len() - 3);
     // One bit for each byte: the first vertex is always there.
