@@ -25,7 +25,7 @@ test: ## Run everything: format, lints, all tests (the slow ones too)
 	@sh tools/install.sh all
 	@sh tools/install.sh ecp5
 	$(CARGO) fmt --all --check
-	$(CARGO) clippy --all-targets --locked -- -D warnings
+	$(CARGO) clippy --profile quick --all-targets --locked -- -D warnings
 	$(CARGO) test --profile quick --locked --no-fail-fast --lib --bins --tests
 	$(CARGO) test --profile quick --locked --doc
 

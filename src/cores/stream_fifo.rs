@@ -8,8 +8,8 @@
 //!
 //! A word may be issued into the pipeline only against a credit, and there are as many credits as words
 //! of RAM, so the RAM cannot overflow and the pipeline needs no stall. A word that is read stands behind the RAM, and
-//! goes on to a register, which has it early in the clock (block RAMs of most devices have such a register); the lanes
-//! come straight from there and change only when the consumer has taken the word.
+//! goes on to a register, which has it early in the clock (block RAMs of most devices have such a register); both wait
+//! while the consumer does. The lanes come straight from there and change only when the consumer has taken the word.
 
 use std::rc::Rc;
 
@@ -47,6 +47,7 @@ pub fn build(log_depth: u32, lanes: &[(String, Word)]) -> Result<Rc<Module>> {
             readers.push(Reader::new(&m, log_depth, &pushes, &ready));
             bits = word.width();
         }
+        // Where there is no word, none is read, perhaps from where one is written: nobody looks at it.
         let Some(Reader { push, written, read, moves_on, .. }) = readers.last() else { continue };
         let ram = m.memory(&format!("ram_{name}"), depth as u32, *word, vec![]).block().apart();
         ram.write(push, written, input);
@@ -109,6 +110,7 @@ impl Reader {
         let [filled, stands, valid] = ["filled", "stands", "valid"].map(|name| own(name, Word::bit()));
         let push = m.restart(&m.unmerged(m.pipe_reset("pushed", pushes, 0)), 0);
         let moves_on = m.wire("moves_on", !&valid | ready);
+        // Not by way of `moves_on`, which has readers enough.
         let take = m.wire("take", &filled & (!&valid | ready));
         m.on(&moves_on, &stands, &filled);
         m.on(&moves_on, &valid, &stands);

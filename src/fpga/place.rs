@@ -88,12 +88,12 @@ struct Nextpnr<'a> {
 }
 
 impl Nextpnr<'_> {
-    /// Whether it came to its end with so many iterations of the router.
-    fn run(&self, stage: Stage, iterations: Option<u32>, more: &[&str]) -> Result<bool> {
+    /// Whether it came to its end with so many iterations of the router for an arc.
+    fn run(&self, stage: Stage, iterations_an_arc: Option<u64>, more: &[&str]) -> Result<bool> {
         let words = self.words.iter().map(String::as_str);
         let line: Vec<String> =
             [self.program].into_iter().chain(words).chain(more.iter().copied()).map(String::from).collect();
-        run_within(iterations, &line, self.folder, stage, self.settings, self.progress)
+        run_within(iterations_an_arc, &line, self.folder, stage, self.settings, self.progress)
     }
 
     /// Places, moves cells and routes; what the paths take by the delays of their wires.
@@ -105,7 +105,7 @@ impl Nextpnr<'_> {
         let (refined, _) = detailed_placement::refine(&placed, TARGET * 1e3 / target_mhz as f32)?;
         std::fs::write(self.folder.join(REFINED), &refined)
             .map_err(|e| failed(format!("cannot write the placement: {e}")))?;
-        let first = |netlist| self.run(Stage::Routing, Some(MOST_ITERATIONS), &route(netlist));
+        let first = |netlist| self.run(Stage::Routing, Some(MOST_ITERATIONS_AN_ARC), &route(netlist));
         let routed = if first(REFINED)? {
             refined
         } else {
@@ -156,10 +156,10 @@ fn constraints(pins: [&str; 4]) -> String {
 const ECP5: [&str; 3] = ["--lpf-allow-unconstrained", "--placer-heap-timingweight", "80"];
 
 /// The first router looks for the shortest way of every wire, the second one begins at whatever the net has near by:
-/// of one placement of 70,000 cells 230 MHz in place of 197. But the first one need not end where wires are dense: that
+/// of one placement of 70,000 cells 230 MHz in place of 197. But the first one need not end where wires are dense. That
 /// design takes it 210,000 iterations, three minutes; of a device full of lanes whose cells were moved it had routed a
 /// tenth after 128,000, and the second one stood still, too. As nextpnr had placed them, the first one took four minutes.
-const MOST_ITERATIONS: u32 = 400_000;
+const MOST_ITERATIONS_AN_ARC: u64 = 2;
 const SECOND_ROUTER: [&str; 2] = ["--router", "router2"];
 
 /// The arguments of all runs.

@@ -34,13 +34,13 @@ pub(super) fn run(
     run_within(None, line, folder, first, settings, progress).map(drop)
 }
 
-/// The same, but the first router is stopped where it is going to need more iterations than so many; whether it came to
+/// The same, but the first router is stopped where it gets on with too many iterations for an arc; whether it came to
 /// its end.
 ///
 /// # Errors
 /// As [`process::run`].
 pub(super) fn run_within(
-    iterations: Option<u32>,
+    iterations_an_arc: Option<u64>,
     line: &[String],
     folder: &Path,
     first: Stage,
@@ -62,7 +62,7 @@ pub(super) fn run_within(
                 }
             });
         }
-        let within = || iterations.is_none_or(|most| iterations_needed(&log) <= most);
+        let within = || iterations_an_arc.is_none_or(|most| gets_on(&log, most));
         let result = process::run_while(line, folder, &log, settings, &within);
         done.store(true, Ordering::Relaxed);
         // It may have ended before anybody looked.
@@ -70,10 +70,11 @@ pub(super) fn run_within(
     })
 }
 
-/// Iterations after which the share of arcs that the first router has done tells how many it will need.
-const ENOUGH_TO_TELL: u32 = 50_000;
+/// Iterations after which it shows how the first router gets on.
+const ENOUGH_TO_TELL: u64 = 50_000;
 
-/// Iterations that the first router is going to need, by the worst line of its table:
+/// Whether the first router needs no more iterations for each arc that it has done, by all lines of its table, so that it
+/// does not matter when somebody looks:
 ///
 /// ```text
 /// Routing 181505 arcs.
@@ -81,22 +82,18 @@ const ENOUGH_TO_TELL: u32 = 50_000;
 ///    120000 |    36113      83886 |  234   766 |    161629|       5.98     257.28|
 /// ```
 ///
-/// An iteration routes an arc, but may take others away that have to be routed again. All lines count, so that it does
-/// not matter when somebody looks.
-fn iterations_needed(log: &Path) -> u32 {
+/// An iteration routes an arc, but may take others away that have to be routed again; and the more of them are, the longer
+/// it takes.
+fn gets_on(log: &Path, most: u64) -> bool {
     let text = std::fs::read_to_string(log).unwrap_or_default();
     let lines = || text.lines().filter_map(|line| line.strip_prefix("Info:"));
-    let all =
-        lines().find_map(|line| line.trim().strip_prefix("Routing ")?.strip_suffix(" arcs.")?.parse().ok());
-    let all: u64 = all.unwrap_or(0);
-    let needed = lines().filter_map(|line| {
-        let columns: Vec<&str> = line.split('|').map(str::trim).collect();
-        let [made, left]: [u64; 2] = [columns.first()?.parse().ok()?, columns.get(3)?.parse().ok()?];
-        let done = all.saturating_sub(left).max(1);
-        let needed = if made < u64::from(ENOUGH_TO_TELL) { made } else { made.max(made * all / done) };
-        Some(u32::try_from(needed).unwrap_or(u32::MAX))
-    });
-    needed.max().unwrap_or(0)
+    let all = |line: &str| line.trim().strip_prefix("Routing ")?.strip_suffix(" arcs.")?.parse().ok();
+    let all: u64 = lines().find_map(all).unwrap_or(0);
+    lines().all(|line| {
+        let column = |at: usize| line.split('|').nth(at)?.trim().parse::<u64>().ok();
+        let (Some(made), Some(left)) = (column(0), column(3)) else { return true };
+        made < ENOUGH_TO_TELL || made <= most * all.saturating_sub(left)
+    })
 }
 
 /// Whether nextpnr says that it routes.
@@ -109,24 +106,23 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_router_that_needs_too_many_iterations_is_stopped() {
+    fn a_router_that_does_not_get_on_is_stopped() {
         let folder = tempfile::tempdir().unwrap();
         let runs = |lines: &[[u32; 2]], then: &str| {
-            let lines: String = lines
-                .iter()
-                .map(|[made, left]| format!("echo 'Info: {made} | 3 7 | 1 9 | {left}| 1.2 3.4|';"))
-                .collect();
-            let script = format!("echo 'Info: Routing 9000 arcs.'; {lines} {then}");
+            let line =
+                |[made, left]: &[u32; 2]| format!("echo 'Info: {made} | 3 7 | 1 9 | {left}| 1.2 3.4|';");
+            let lines: String = lines.iter().map(line).collect();
+            let script = format!("echo 'Info: Routing 90000 arcs.'; {lines} {then}");
             let line: Vec<String> = ["/bin/sh", "-c", &script].map(String::from).into();
             let settings = Settings { timeout: Duration::from_secs(60), ..Settings::default() };
-            run_within(Some(70_000), &line, folder.path(), Stage::Routing, &settings, &|_| {}).unwrap()
+            run_within(Some(2), &line, folder.path(), Stage::Routing, &settings, &|_| {}).unwrap()
         };
         let complete = "echo 'Info: Routing complete.'";
-        // Slow at first, and as many as it may need.
-        assert!(runs(&[[1000, 9000], [50_000, 2500], [70_000, 0]], complete));
+        // Slow at first, and two for an arc.
+        assert!(runs(&[[1000, 90_000], [50_000, 65_000], [180_000, 0]], complete));
         // More, though the end is near, and one that goes on for longer than anybody waits; it may have ended meanwhile.
-        assert!(!runs(&[[71_000, 10]], "sleep 50"));
-        assert!(!runs(&[[50_000, 2600]], "sleep 50"));
-        assert!(!runs(&[[50_000, 9100], [60_000, 0]], complete));
+        assert!(!runs(&[[50_000, 65_000], [180_000, 10]], "sleep 50"));
+        assert!(!runs(&[[50_000, 65_001]], "sleep 50"));
+        assert!(!runs(&[[50_000, 91_000], [60_000, 0]], complete));
     }
 }

@@ -233,16 +233,20 @@ fn block_rams_with_their_registers_keep_what_they_should() {
     let parameters = small(5).with_min_level(5).and_then(|p| p.with_columns(Columns::Buffered)).unwrap();
     let placed = Placed::new(parameters, &packets(5, 2));
     assert_eq!(placed.run(&placed.gates).failures, []);
-    assert_eq!(placed.gates.cells()["DP16KD"], 3);
+    assert_eq!(placed.gates.cells()["DP16KD"], 10);
     assert!(placed.gates.tidied.registered_outputs > 0);
-    let mut wrong = placed.gates.clone();
-    let cells = wrong.netlist.0["modules"]["loop_fd"]["cells"].as_object_mut().unwrap();
-    for (_, ram) in cells.iter_mut().filter(|(_, cell)| cell["type"] == "DP16KD") {
-        for side in ["REGMODE_A", "REGMODE_B"] {
-            ram["parameters"][side] = "NOREG".into();
-        }
+    for (unit, count) in [("buffer.", 3), ("output_fifo.", 7)] {
+        let mut wrong = placed.gates.clone();
+        let cells = wrong.netlist.0["modules"]["loop_fd"]["cells"].as_object_mut().unwrap();
+        let rams = cells.iter_mut().filter(|(name, cell)| cell["type"] == "DP16KD" && name.starts_with(unit));
+        let changed = rams.map(|(_, ram)| {
+            for side in ["REGMODE_A", "REGMODE_B"] {
+                ram["parameters"][side] = "NOREG".into();
+            }
+        });
+        assert_eq!(changed.count(), count, "block RAMs in {unit}");
+        assert!(!placed.run(&wrong).failures.is_empty(), "a word of {unit} that comes a clock early");
     }
-    assert!(!placed.run(&wrong).failures.is_empty(), "a word that comes a clock early");
 
     let walked = ["--max-level", "1", "--rounding", "floor", "--registered", "--back-pressure", "random"];
     let quads: Vec<&str> =
