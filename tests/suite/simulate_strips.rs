@@ -95,10 +95,8 @@ fn in_icarus(turn: usize) {
     }
     for (number, source) in sources().into_iter().skip(turn).step_by(2).enumerate() {
         for level in 1..=5 {
-            let all = level <= 3;
-            for stalls in
-                STALLS.into_iter().skip(if all { 0 } else { number % 2 }).step_by(if all { 1 } else { 2 })
-            {
+            let some = if level <= 3 { &STALLS[..] } else { &STALLS[number % 2..][..1] };
+            for stalls in some {
                 let core = ["--coordinates", "Q3.12", "--simulator", "icarus"];
                 check(&source, level, &[&core[..], stalls].concat());
             }

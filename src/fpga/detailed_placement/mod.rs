@@ -38,8 +38,8 @@ use serde_json::Value;
 use crate::error::{Error, Kind, Result};
 use search::Search;
 
-/// Another one wherever the same placement comes to another one.
-pub const VERSION: &str = "3";
+/// Another one wherever the same placement comes to another one, or is routed otherwise.
+pub const VERSION: &str = "4";
 
 /// What came of it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
